@@ -1,0 +1,65 @@
+"""What every file format offers: a document that knows its bytes and how to patch positions into them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshmark.mesh import FloatArray, IntArray
+
+__all__ = ["Attributes", "Document"]
+
+
+@dataclass(frozen=True, eq=False)
+class Attributes:
+    """Per-vertex data that a conversion to another format may keep, aligned with `Document.vertices`.
+
+    normals:   (n, 3) float64 or None.
+    texcoords: (n, 2) float64, origin at the lower left as in OBJ, or None.
+    colors:    (n, 4) uint8 RGBA, or None.
+    other:     short names of what else the file holds and no other format can keep
+               ("materials", "skins", "groups", ...), for the sentence that says what a conversion drops.
+    """
+
+    normals: FloatArray | None = None
+    texcoords: FloatArray | None = None
+    colors: NDArray[np.uint8] | None = None
+    other: tuple[str, ...] = ()
+
+
+class Document(Protocol):
+    """A parsed file. Immutable: `patched` returns new bytes and leaves the document as it was.
+
+    format:     a key of `meshmark.io.FORMATS`: "off", "obj", "ply", "stl", "glb", "gltf", "3mf".
+    vertices:   (n, 3) float64, scene coordinates (node transforms, units and instances applied),
+                one row for each vertex the file stores (and for each instance of it), in file order.
+    faces:      (m, 3) int64, polygons triangulated, degenerate triangles kept.
+    """
+
+    format: str
+    vertices: FloatArray
+    faces: IntArray
+
+    def conform(self, vertices: FloatArray) -> FloatArray:
+        """Return the (n, 3) positions that the file would hold, after its own precision, for these."""
+        ...
+
+    def patched(self, vertices: FloatArray, name: str) -> Mapping[str, bytes]:
+        """Return the files to write, name -> bytes, the first of them called `name`.
+
+        Rows equal to `self.vertices` keep their original bytes; with no row changed every file is
+        byte-identical to what was read.
+        """
+        ...
+
+    def attributes(self) -> Attributes:
+        """Return what a conversion to another format may keep."""
+        ...
+
+    def summary(self) -> dict[str, Any]:
+        """Return what `meshmark info` prints beside counts: encoding, precision, meshes, materials, ..."""
+        ...
