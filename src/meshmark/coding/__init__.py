@@ -1,0 +1,1 @@
+"""Keys, keyed pseudo-random functions, the message and its error-correcting code; no meshes in here."""

@@ -1,0 +1,105 @@
+"""Id to code bits and back, under a key: what a scheme calls.
+
+The id is one word of a keyed linear code, XORed with a keyed mask. Nothing else is needed for a check: an
+unmarked model (or a wrong key) shows random code bits, so the chance that *any* of the 2^64 words agrees as well
+as the one found has a bound that holds for every decoder (`log10_chance`). An id is returned only where this
+bound lies under a limit; the default, 2^-32, is the strength of a 32-bit check word.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from math import log, log10
+from typing import Final
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from meshmark.coding.keyed import keyed_bits
+from meshmark.coding.keys import Key
+from meshmark.coding.message import ID_BITS, bits_to_id, id_to_bits
+from meshmark.coding.ordered_statistics import ordered_statistics
+from meshmark.coding.polar import Bits, polar_code
+from meshmark.errors import InputError
+from meshmark.mesh import FloatArray
+
+__all__ = ["CHECK_WORD_LIMIT", "Codec", "Decoded", "log10_chance"]
+
+LENGTH = 1024
+CHECKS = 16
+CHECK_WORD_LIMIT: Final = -32 * log10(2.0)
+
+
+@dataclass(frozen=True)
+class Decoded:
+    """What a decoder found.
+
+    id:                 the 64-bit id, or None where nothing passes the limit
+    candidates_tested:  words compared with the observations
+    bits:               (n,) the code bits of the best candidate, passed or not; None without any candidate
+    log10_chance:       log10 of a bound on the chance that random observations agree this well with any word
+    """
+
+    id: int | None
+    candidates_tested: int
+    bits: Bits | None = field(repr=False)
+    log10_chance: float
+
+
+class Codec:
+    """The keyed code; which cell carries which code bit is the caller's choice."""
+
+    def __init__(self, key: Key) -> None:
+        self._code = polar_code(LENGTH, ID_BITS, CHECKS, key.subkey("code"))
+        self._mask = keyed_bits(key.subkey("code mask"), LENGTH)
+
+    @property
+    def n(self) -> int:
+        """Number of code bits."""
+        return self._code.length
+
+    def encode(self, identity: int) -> Bits:
+        """Return the code bits (n,) of an id; raises `InputError` where it has more than 64 bits."""
+        return self._code.encode(id_to_bits(identity)) ^ self._mask
+
+    def decode(self, llr: FloatArray, log10_limit: float = CHECK_WORD_LIMIT) -> Decoded:
+        """Return the id behind the observations.
+
+        llr: (n,) log-likelihood ratio log(P(0)/P(1)) of each code bit, the sum over the cells that carry it,
+             0 where none does. Signs must be fair coins on unmarked models, whatever the magnitudes.
+        """
+        if np.shape(llr) != (self.n,) or not np.isfinite(llr).all():
+            raise InputError(f"the observations have shape {np.shape(llr)}, expected {self.n} finite numbers")
+        values = llr * (1.0 - 2.0 * self._mask)
+        tested, best, agreement, chance = 0, None, 0.0, 0.0
+        for candidate in ordered_statistics(self._code.generator, values, bases=8):
+            tested += 1
+            if candidate.agreement > agreement:
+                best, agreement = candidate.bits, candidate.agreement
+                chance = log10_chance(values, agreement)
+            if chance <= log10_limit:
+                break
+        if best is None:
+            return Decoded(None, tested, None, 0.0)
+        found = bits_to_id(best) if chance <= log10_limit else None
+        return Decoded(found, tested, self._code.encode(best) ^ self._mask, chance)
+
+
+def log10_chance(llr: FloatArray, agreement: float) -> float:
+    """Bound log10 of the chance that `llr` with random signs agrees with any of the 2^64 words as well as given.
+
+    Chernoff's bound for one word, min over s of prod cosh(s l_i) / e^(s agreement), times 2^64.
+    """
+    magnitudes = np.abs(llr[llr != 0.0])
+    if not len(magnitudes) or agreement <= 0.0:
+        return 0.0
+    scaled = magnitudes / magnitudes.mean()
+    target = agreement / magnitudes.mean()
+    constant = len(scaled) * log(2.0)
+
+    def exponent(s: float) -> float:
+        # log cosh x = x + log1p(e^-2x) - log 2, stable for large x
+        return float((s * scaled + np.log1p(np.exp(-2.0 * s * scaled))).sum()) - constant - s * target
+
+    bound = minimize_scalar(exponent, bounds=(0.0, 40.0), method="bounded").fun
+    return min(0.0, (ID_BITS * log(2.0) + float(bound)) / log(10.0))

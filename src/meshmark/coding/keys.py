@@ -1,0 +1,121 @@
+"""The secret key: 32 random bytes, kept in a file that only its owner can read, and never shown."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import hmac
+import os
+import re
+import secrets
+from pathlib import Path
+from typing import NoReturn
+
+from meshmark.errors import InputError, KeyFileError, OutputError
+
+__all__ = ["Key"]
+
+KEY_BYTES = 32
+HEADER = "meshmark key 1"
+_FILE = re.compile(rf"{HEADER}\n([0-9a-f]{{{2 * KEY_BYTES}}})\n".encode())
+# Enough to see that a file is too long to be a key, without reading a large file into memory.
+_READ_LIMIT = 4 * KEY_BYTES
+_DOMAIN = b"meshmark subkey 1\0"
+
+
+class Key:
+    """A secret key; cannot be changed, printed or pickled, and compares in constant time.
+
+    Every use of the key goes through `subkey`, so that no two parts of meshmark share random numbers.
+    """
+
+    __slots__ = ("_secret",)
+    _secret: bytes
+
+    def __init__(self, secret: bytes) -> None:
+        """Make a key of 32 bytes; raises `InputError` for any other length."""
+        if not isinstance(secret, bytes) or len(secret) != KEY_BYTES:
+            raise InputError(f"a key is made of {KEY_BYTES} bytes")
+        object.__setattr__(self, "_secret", secret)
+
+    @classmethod
+    def generate(cls) -> Key:
+        """Draw a new key from the operating system's random source."""
+        return cls(secrets.token_bytes(KEY_BYTES))
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Key:
+        """Read a key file; raises `KeyFileError`, which never quotes what the file holds."""
+        name = os.fspath(path)
+        try:
+            with Path(path).open("rb") as file:
+                content = file.read(_READ_LIMIT)
+        except OSError as error:
+            raise KeyFileError(f"cannot read the key file {name}: {error.strerror or 'error'}") from None
+        match = _FILE.fullmatch(content)
+        if match is None:
+            raise KeyFileError(
+                f"{name} is not a meshmark key, expected the line '{HEADER}' and a line of "
+                f"{2 * KEY_BYTES} lower-case hexadecimal digits"
+            )
+        return cls(bytes.fromhex(match[1].decode()))
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the key to a new file of mode 0600; raises `OutputError`, also when the file exists.
+
+        The file appears complete or not at all: the name is taken first, the content moved onto it after.
+        """
+        target = Path(path)
+        temporary = target.with_name(f".{target.name}.{secrets.token_hex(8)}")
+        content = f"{HEADER}\n{self._secret.hex()}\n".encode()
+        try:
+            os.close(_create(target))
+        except FileExistsError:
+            raise OutputError(f"{target} exists already and a key is never overwritten") from None
+        except OSError as error:
+            raise OutputError(f"cannot write the key file {target}: {error.strerror or 'error'}") from None
+        try:
+            with os.fdopen(_create(temporary), "wb") as file:
+                file.write(content)
+                file.flush()
+                os.fsync(file.fileno())
+            temporary.replace(target)
+        except OSError as error:
+            for leftover in (temporary, target):
+                with contextlib.suppress(OSError):
+                    leftover.unlink(missing_ok=True)
+            raise OutputError(f"cannot write the key file {target}: {error.strerror or 'error'}") from None
+
+    def subkey(self, purpose: str) -> bytes:
+        """Return the 32 bytes for one purpose: HMAC-SHA256 of its name, as HKDF expands (RFC 5869)."""
+        if not purpose:
+            raise InputError("a subkey needs the name of its purpose, got an empty one")
+        return hmac.digest(self._secret, _DOMAIN + purpose.encode(), hashlib.sha256)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Key) and hmac.compare_digest(self._secret, other._secret)
+
+    def __hash__(self) -> int:
+        return hash(self.subkey("python hash"))
+
+    def __repr__(self) -> str:
+        return "Key(secret)"
+
+    def __setattr__(self, name: str, value: object) -> NoReturn:
+        raise AttributeError("a key cannot be changed")
+
+    def __delattr__(self, name: str) -> NoReturn:
+        raise AttributeError("a key cannot be changed")
+
+    def __copy__(self) -> Key:
+        return self
+
+    def __deepcopy__(self, memo: object) -> Key:
+        return self
+
+    def __reduce_ex__(self, protocol: object) -> NoReturn:
+        raise TypeError("a key cannot be pickled, use save and load")
+
+
+def _create(path: Path) -> int:
+    return os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
