@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
@@ -23,12 +24,17 @@ class Attributes:
     colors:    (n, 4) uint8 RGBA, or None.
     other:     short names of what else the file holds and no other format can keep
                ("materials", "skins", "groups", ...), for the sentence that says what a conversion drops.
+    seams:     for formats whose corners of one vertex may carry different attributes (OBJ): a pair
+               (points, faces); then the arrays above are aligned with points, (k,) vertex indices, and
+               faces, (m, 3), indexes them. None: aligned with the vertices. Converters never see it:
+               `write_mesh` splits the vertices first, where the target keeps such attributes.
     """
 
     normals: FloatArray | None = None
     texcoords: FloatArray | None = None
     colors: NDArray[np.uint8] | None = None
     other: tuple[str, ...] = ()
+    seams: tuple[IntArray, IntArray] | None = None
 
 
 class Document(Protocol):
@@ -40,9 +46,14 @@ class Document(Protocol):
     faces:      (m, 3) int64, polygons triangulated, degenerate triangles kept.
     """
 
-    format: str
-    vertices: FloatArray
-    faces: IntArray
+    @property
+    def format(self) -> str: ...
+
+    @property
+    def vertices(self) -> FloatArray: ...
+
+    @property
+    def faces(self) -> IntArray: ...
 
     def conform(self, vertices: FloatArray) -> FloatArray:
         """Return the (n, 3) positions that the file would hold, after its own precision, for these."""
@@ -62,4 +73,12 @@ class Document(Protocol):
 
     def summary(self) -> dict[str, Any]:
         """Return what `meshmark info` prints beside counts: encoding, precision, meshes, materials, ..."""
+        ...
+
+    def side_files(self) -> tuple[Path, ...]:
+        """Return existing files that the file refers to and `patched` does not return (materials, images).
+
+        A save into another folder copies them there, keeping their place relative to the model file;
+        a save never writes over one of them. Only relative references inside the model's folder count.
+        """
         ...

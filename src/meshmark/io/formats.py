@@ -1,0 +1,197 @@
+"""The table of file formats: how each is recognised, read, and written afresh."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from meshmark.errors import InputError
+from meshmark.io.document import Attributes, Document
+from meshmark.mesh import FloatArray, IntArray
+
+__all__ = ["FORMATS", "Format", "detect_format", "format_of_name"]
+
+Converted = tuple[dict[str, bytes], tuple[str, ...]]
+
+# How much of a file is looked at to recognise it.
+_HEAD = 65536
+
+_PLY = re.compile(rb"ply[ \t]*[\r\n]")
+_OFF = re.compile(rb"(?:\s|#[^\r\n]*[\r\n])*(?:ST)?C?N?4?n?OFF(?![A-Za-z0-9_])")
+_STL = re.compile(rb"\s*solid\b.*?[\r\n]\s*(?:facet\s|endsolid)", re.DOTALL | re.IGNORECASE)
+_OBJ = re.compile(rb"(?:^|[\r\n])[ \t]*v[ \t]+[-+.0-9]")
+_JSON = re.compile(rb"(?:\xef\xbb\xbf)?\s*\{")
+
+
+@dataclass(frozen=True)
+class Format:
+    """One file format.
+
+    extensions: lower case, with the dot; the first is the usual one.
+    sniff:      True where the first 64 kB and the length of a file are clearly this format.
+    parse:      (bytes, path) -> Document; raises `FormatError`. The path serves messages and side files.
+    convert:    (vertices, faces, attributes, name) -> (files by name, names of what was dropped).
+    keeps:      the fields of `Attributes` that the format can hold.
+    """
+
+    name: str
+    extensions: tuple[str, ...]
+    sniff: Callable[[bytes, int], bool]
+    parse: Callable[[bytes, Path], Document]
+    convert: Callable[[FloatArray, IntArray, Attributes, str], Converted]
+    keeps: frozenset[str]
+
+
+def _looks_like_off(head: bytes, size: int) -> bool:
+    return _OFF.match(head) is not None
+
+
+def _looks_like_obj(head: bytes, size: int) -> bool:
+    return _OBJ.search(head) is not None and b"\0" not in head
+
+
+def _looks_like_ply(head: bytes, size: int) -> bool:
+    return _PLY.match(head) is not None
+
+
+def _looks_like_stl(head: bytes, size: int) -> bool:
+    # A binary STL has no magic: its length must agree with its count of 50-byte facets.
+    facets = int.from_bytes(head[80:84], "little") if size >= 84 else 0
+    return (facets > 0 and size == 84 + 50 * facets) or _STL.match(head) is not None
+
+
+def _looks_like_glb(head: bytes, size: int) -> bool:
+    return head.startswith(b"glTF")
+
+
+def _looks_like_gltf(head: bytes, size: int) -> bool:
+    return _JSON.match(head) is not None
+
+
+def _looks_like_3mf(head: bytes, size: int) -> bool:
+    return head.startswith(b"PK\x03\x04")
+
+
+# The modules are imported when a format is first used: a program that reads OFF never loads XML or JSON.
+def _parse_off(data: bytes, path: Path) -> Document:
+    from meshmark.io.off import parse_off
+
+    return parse_off(data, path)
+
+
+def _convert_off(vertices: FloatArray, faces: IntArray, attributes: Attributes, name: str) -> Converted:
+    from meshmark.io.off_new import convert_off
+
+    return convert_off(vertices, faces, attributes, name)
+
+
+def _parse_obj(data: bytes, path: Path) -> Document:
+    from meshmark.io.obj import parse_obj
+
+    return parse_obj(data, path)
+
+
+def _convert_obj(vertices: FloatArray, faces: IntArray, attributes: Attributes, name: str) -> Converted:
+    from meshmark.io.obj_new import convert_obj
+
+    return convert_obj(vertices, faces, attributes, name)
+
+
+def _parse_ply(data: bytes, path: Path) -> Document:
+    from meshmark.io.ply import parse_ply
+
+    return parse_ply(data, path)
+
+
+def _convert_ply(vertices: FloatArray, faces: IntArray, attributes: Attributes, name: str) -> Converted:
+    from meshmark.io.ply_new import convert_ply
+
+    return convert_ply(vertices, faces, attributes, name)
+
+
+def _parse_stl(data: bytes, path: Path) -> Document:
+    from meshmark.io.stl import parse_stl
+
+    return parse_stl(data, path)
+
+
+def _convert_stl(vertices: FloatArray, faces: IntArray, attributes: Attributes, name: str) -> Converted:
+    from meshmark.io.stl_new import convert_stl
+
+    return convert_stl(vertices, faces, attributes, name)
+
+
+def _parse_glb(data: bytes, path: Path) -> Document:
+    from meshmark.io.gltf import parse_glb
+
+    return parse_glb(data, path)
+
+
+def _convert_glb(vertices: FloatArray, faces: IntArray, attributes: Attributes, name: str) -> Converted:
+    from meshmark.io.gltf_new import convert_glb
+
+    return convert_glb(vertices, faces, attributes, name)
+
+
+def _parse_gltf(data: bytes, path: Path) -> Document:
+    from meshmark.io.gltf import parse_gltf
+
+    return parse_gltf(data, path)
+
+
+def _convert_gltf(vertices: FloatArray, faces: IntArray, attributes: Attributes, name: str) -> Converted:
+    from meshmark.io.gltf_new import convert_gltf
+
+    return convert_gltf(vertices, faces, attributes, name)
+
+
+def _parse_3mf(data: bytes, path: Path) -> Document:
+    from meshmark.io.threemf import parse_3mf
+
+    return parse_3mf(data, path)
+
+
+def _convert_3mf(vertices: FloatArray, faces: IntArray, attributes: Attributes, name: str) -> Converted:
+    from meshmark.io.threemf_new import convert_3mf
+
+    return convert_3mf(vertices, faces, attributes, name)
+
+
+_ALL = frozenset({"normals", "texcoords", "colors"})
+
+# In the order in which content is tried: formats with a magic number first, the loosest last.
+FORMATS: dict[str, Format] = {
+    entry.name: entry
+    for entry in (
+        Format("glb", (".glb",), _looks_like_glb, _parse_glb, _convert_glb, _ALL),
+        Format("3mf", (".3mf",), _looks_like_3mf, _parse_3mf, _convert_3mf, frozenset()),
+        Format("ply", (".ply",), _looks_like_ply, _parse_ply, _convert_ply, _ALL),
+        Format("off", (".off",), _looks_like_off, _parse_off, _convert_off, _ALL),
+        Format("gltf", (".gltf",), _looks_like_gltf, _parse_gltf, _convert_gltf, _ALL),
+        Format("stl", (".stl",), _looks_like_stl, _parse_stl, _convert_stl, frozenset()),
+        Format("obj", (".obj",), _looks_like_obj, _parse_obj, _convert_obj, _ALL),
+    )
+}
+
+
+def format_of_name(path: Path) -> Format | None:
+    """Return the format that a file name's extension stands for (a final `.gz` is set aside), or None."""
+    name = path.name.lower().removesuffix(".gz")
+    return next((entry for entry in FORMATS.values() if name.endswith(entry.extensions)), None)
+
+
+def detect_format(data: bytes, path: Path) -> Format:
+    """Return the format of a file from its content, and from its name where the content does not tell.
+
+    Raises `InputError` where neither does.
+    """
+    named, head = format_of_name(path), data[:_HEAD]
+    if named is not None and named.sniff(head, len(data)):
+        return named
+    found = next((entry for entry in FORMATS.values() if entry.sniff(head, len(data))), named)
+    if found is None:
+        known = " ".join(entry.extensions[0] for entry in FORMATS.values())
+        raise InputError(f"{path} is not a model file in a known format, expected one of {known}, also .gz")
+    return found
