@@ -1,0 +1,108 @@
+"""glTF 2.0, as .gltf and .glb: a save patches positions into the original bytes and nothing else.
+
+Specification: Khronos glTF 2.0.1, with KHR_mesh_quantization. Compressed geometry (Draco, meshopt) is
+refused, see docs/decisions/0002-compressed-gltf.md.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshmark.errors import FormatError, InputError
+from meshmark.io.document import Attributes
+from meshmark.io.gltf_attributes import gltf_attributes, gltf_summary
+from meshmark.io.gltf_container import Container, open_glb, open_gltf
+from meshmark.io.gltf_patch import rebuild, referenced_files
+from meshmark.io.gltf_points import Points, open_points
+from meshmark.io.gltf_scene import Scene, open_scene
+from meshmark.io.gltf_uses import check_uses
+from meshmark.io.placement import Placement, place, pull_back
+from meshmark.mesh import FloatArray, IntArray
+
+__all__ = ["GltfDocument", "parse_glb", "parse_gltf"]
+
+
+@dataclass(frozen=True, eq=False)
+class GltfDocument:
+    """A glTF file; the `Document` protocol says what its methods promise.
+
+    `gltf_scene` says which vertices there are; `gltf_patch` how files beside a .gltf are named.
+    """
+
+    container: Container
+    scene: Scene
+    points: Points
+    placements: tuple[Placement, ...]
+    vertices: FloatArray
+    faces: IntArray
+
+    @property
+    def format(self) -> str:
+        """Return "glb" or "gltf"."""
+        return self.container.format
+
+    def conform(self, vertices: FloatArray) -> FloatArray:
+        """Return the positions (n, 3) that reading the written file would give, to the last bit."""
+        target, moved = self._pulled(vertices)
+        return place(self.points.snapped(target, moved), self.placements)
+
+    def patched(self, vertices: FloatArray, name: str) -> Mapping[str, bytes]:
+        """Return the files to write: the model, and of a .gltf the buffers beside it.
+
+        Raises `FormatError` where moved positions share their bytes with other data, `InputError` where
+        a position cannot be stored.
+        """
+        target, moved = self._pulled(vertices)
+        if not moved.any():
+            return rebuild(self.container, self.container.blob, name)
+        check_uses(self.container, self.points, moved)
+        return rebuild(self.container, self.points.written(target, moved, self.container.blob), name)
+
+    def attributes(self) -> Attributes:
+        """Return what a conversion to another format may keep."""
+        return gltf_attributes(self.container, self.scene)
+
+    def summary(self) -> dict[str, Any]:
+        """Return what `meshmark info` prints."""
+        return gltf_summary(self.container, self.scene)
+
+    def side_files(self) -> tuple[Path, ...]:
+        """Return the existing images beside the model; its buffers are returned by `patched`."""
+        buffers = {item.name for item in self.container.segments if item.kind == "file"}
+        folder = self.container.path.parent
+        names = [name for name in referenced_files(self.container) if name not in buffers]
+        return tuple(folder / name for name in names if (folder / name).is_file())
+
+    def _pulled(self, vertices: FloatArray) -> tuple[FloatArray, NDArray[np.bool_]]:
+        if np.shape(vertices) != self.vertices.shape:
+            raise InputError(f"new positions have shape {np.shape(vertices)}, expected {self.vertices.shape}")
+        return pull_back(self.points.values, self.placements, self.vertices, vertices)
+
+
+def parse_glb(data: bytes, path: Path) -> GltfDocument:
+    """Read a binary glTF. Raises `FormatError`."""
+    return _parse(open_glb(data, path))
+
+
+def parse_gltf(data: bytes, path: Path) -> GltfDocument:
+    """Read a .gltf and the buffers beside it or inside it. Raises `FormatError`."""
+    return _parse(open_gltf(data, path))
+
+
+def _parse(container: Container) -> GltfDocument:
+    scene = open_scene(container)
+    used = dict.fromkeys(part.accessor for part in scene.parts)
+    points = open_points(container.blob, [scene.accessors[index] for index in used])
+    placements = tuple(Placement(points.slots[part.accessor], part.affine) for part in scene.parts)
+    vertices = place(points.values, placements)
+    if not np.isfinite(vertices).all():
+        raise FormatError(f"{container.path.name}: its node transforms take positions beyond any range")
+    vertices.flags.writeable = False
+    scene.faces.flags.writeable = False
+    return GltfDocument(container, scene, points, placements, vertices, scene.faces)
