@@ -11,9 +11,11 @@ __all__ = ["area_vectors", "face_areas", "sum_at_points", "vertex_areas", "verte
 
 def area_vectors(points: FloatArray, faces: IntArray) -> FloatArray:
     """Return (m, 3): the normal of each face times its area, half the cross product of two edges."""
-    a = points[faces[:, 0]]
-    u = (points[faces[:, 1]] - a).T
-    v = (points[faces[:, 2]] - a).T
+    corners = np.ascontiguousarray(faces.T)
+    axes = np.ascontiguousarray(points.T)
+    a, b, c = ([axis.take(corner) for axis in axes] for corner in corners)  # far faster than rows
+    u = [q - p for p, q in zip(a, b, strict=True)]
+    v = [q - p for p, q in zip(a, c, strict=True)]
     out = np.empty((len(faces), 3))
     for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):  # twice as fast as np.cross
         out[:, i] = 0.5 * (u[j] * v[k] - u[k] * v[j])

@@ -1,0 +1,63 @@
+"""The keyed lattice: which places of canonical space are carriers, and what each one asks of its bit.
+
+A cell is a lattice node with a compact window around it. Everything about a cell comes from its integer
+coordinates and the key, so cells need no order and a lost cell is only an erasure (DESIGN section 4).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from meshmark.coding.keyed import cell_words, offset, rotation, unit_interval
+from meshmark.coding.keys import Key
+from meshmark.mesh import FloatArray, IntArray
+
+__all__ = ["CellKeys", "Lattice"]
+
+
+@dataclass(frozen=True, eq=False)
+class CellKeys:
+    """What the key says of n cells.
+
+    code_index: (n,) which code bit the cell carries; dither: (n,) in [0, 1), in quantisation steps.
+    """
+
+    code_index: IntArray
+    dither: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Lattice:
+    """A cubic lattice in canonical space, turned and shifted by the key.
+
+    spacing: distance of neighbouring nodes, in units of the canonical frame's scale.
+    axes:    (3, 3) rows are the lattice directions; shift: (3,) in spacings.
+    """
+
+    spacing: float
+    axes: FloatArray
+    shift: FloatArray
+    _cells: bytes
+
+    @classmethod
+    def keyed(cls, key: Key, spacing: float) -> Lattice:
+        """The lattice of this spacing under `key`; each spacing has cells of its own."""
+        purpose = f"lattice {spacing:.6f}"
+        return cls(
+            spacing, rotation(key.subkey("lattice turn")), offset(key.subkey(purpose)), key.subkey(purpose + " cells")
+        )
+
+    def coordinates(self, points: FloatArray) -> FloatArray:
+        """Canonical coordinates (p, 3) -> lattice coordinates (p, 3), nodes at the integers."""
+        return points @ (self.axes.T / self.spacing) + self.shift
+
+    def points(self, coordinates: FloatArray) -> FloatArray:
+        """Lattice coordinates (p, 3) -> canonical coordinates (p, 3)."""
+        return (coordinates - self.shift) @ (self.axes * self.spacing)
+
+    def keys(self, nodes: IntArray, code_length: int) -> CellKeys:
+        """What the key says of the cells at integer coordinates (n, 3)."""
+        words = cell_words(self._cells, nodes, 2)
+        return CellKeys((words[:, 0] % np.uint64(code_length)).astype(np.int64), unit_interval(words[:, 1]))

@@ -1,0 +1,75 @@
+"""Quantisation index modulation of the cells' offsets (DESIGN section 4).
+
+Bit b of a cell puts its offset on the nearest point of step * (Z + dither + b/2). The same formula read
+backwards gives a soft value, and, squared, a lock score that does not depend on the bits.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from meshmark.mesh import FloatArray, IntArray
+
+__all__ = ["bit_phase", "lock_score", "log10_lock_chance", "log_likelihood_ratio", "nearest_offsets"]
+
+# Share of cells taken to say nothing, so that no single one can outvote many.
+BROKEN_SHARE = 0.03
+
+
+def nearest_offsets(
+    offsets: FloatArray, dither: FloatArray, bits: IntArray, step: float, cost: FloatArray
+) -> FloatArray:
+    """Return the changes (n,) that put every offset on a lattice point of its bit at little total cost.
+
+    cost: (n, n) positive definite, energy of a change r is r' cost r. Rounding each offset alone forces
+    overlapping cells against each other, so single steps up or down are taken while they save energy.
+    """
+    change = step * (np.round(offsets / step - dither - bits / 2.0) + dither + bits / 2.0) - offsets
+    force = cost @ change
+    own = step * step * np.diag(cost)
+    for _ in range(8 * len(offsets)):
+        saving = own - 2.0 * step * np.abs(force)
+        best = int(np.argmin(saving))
+        if saving[best] >= -1e-12 * own[best]:
+            break
+        turn = -step if force[best] > 0.0 else step
+        change[best] += turn
+        force += turn * cost[:, best]
+    return change
+
+
+def bit_phase(offsets: FloatArray, dither: FloatArray, step: float | FloatArray) -> FloatArray:
+    """Return phases (n,) in radians: 0 where the offset lies on a point for bit 0, pi for bit 1."""
+    return 2.0 * np.pi * (offsets / step - dither)
+
+
+def lock_score(phase: FloatArray) -> FloatArray:
+    """Return sum cos(2 phase) over the last axis: n for an untouched mark, about 0 +- sqrt(n/2) without one."""
+    return np.asarray(np.cos(2.0 * phase).sum(axis=-1))
+
+
+def log10_lock_chance(score: float, count: int) -> float:
+    """Bound log10 of the chance that `count` cells reach `score` without a mark.
+
+    Keyed dithers make the phases uniform; E exp(l cos) = I_0(l) <= exp(l^2/4) gives exp(-score^2 / count).
+    """
+    return -(score * score) / (count * np.log(10.0)) if score > 0.0 and count else 0.0
+
+
+def log_likelihood_ratio(phase: FloatArray) -> FloatArray:
+    """Return log P(phase | 0) / P(phase | 1), (n,), for a noise level read from the phases themselves.
+
+    Wrapped normal noise whose width gives the observed lock score, with a share of broken cells of any phase.
+    """
+    agreement = np.clip(np.cos(2.0 * phase).mean(), 0.02, 0.98)
+    variance = -0.5 * np.log(agreement)  # E cos(2 phase) = exp(-2 variance)
+    zero, one = (_wrapped_normal(phase - centre, variance) for centre in (0.0, np.pi))
+    broken = BROKEN_SHARE / (2.0 * np.pi)
+    return np.asarray(np.log(zero + broken) - np.log(one + broken))
+
+
+def _wrapped_normal(angle: FloatArray, variance: float) -> FloatArray:
+    nearest = angle - 2.0 * np.pi * np.round(angle / (2.0 * np.pi))
+    turns = 2.0 * np.pi * np.array([-1.0, 0.0, 1.0])
+    density = np.exp(-((nearest[..., None] + turns) ** 2) / (2.0 * variance)).sum(axis=-1)
+    return np.asarray(density / np.sqrt(2.0 * np.pi * variance))

@@ -1,0 +1,118 @@
+"""Canonical frame of a surface: where it is, how large and how it is turned (DESIGN section 1).
+
+Exact surface moments, so that the frame belongs to the surface and not to its triangulation. Everything the
+ownership layer measures is measured in this frame, which makes it invariant to similarity transforms.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import permutations
+
+import numpy as np
+
+from meshmark.errors import InputError
+from meshmark.geometry.areas import face_areas, sum_at_points
+from meshmark.mesh import FloatArray, IntArray
+
+__all__ = ["Frame", "canonical_frame", "frame_alternatives", "surface_moments"]
+
+# Axes whose second moments differ by less than this share of their sum may change places under an attack.
+SWAP_GAP = 0.04
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """A similarity transform between the scene and canonical coordinates.
+
+    centre:  (3,) centroid of the surface.
+    scale:   root mean square distance of the surface from its centroid, in scene units.
+    axes:    (3, 3) columns are the axes, a rotation.
+    moments: (3,) second moments along the axes, falling, sum 1.
+    area:    surface area over scale squared.
+    """
+
+    centre: FloatArray
+    scale: float
+    axes: FloatArray
+    moments: FloatArray
+    area: float
+
+    def to_canonical(self, points: FloatArray) -> FloatArray:
+        """Scene coordinates (p, 3) -> canonical coordinates (p, 3)."""
+        return (points - self.centre) @ (self.axes / self.scale)
+
+    def to_scene(self, points: FloatArray) -> FloatArray:
+        """Canonical coordinates (p, 3) -> scene coordinates (p, 3)."""
+        return points @ (self.axes.T * self.scale) + self.centre
+
+
+def surface_moments(points: FloatArray, faces: IntArray) -> tuple[float, FloatArray, FloatArray]:
+    """Return area, centroid (3,) and central second moments (3, 3) per unit area, exact for flat triangles."""
+    areas = face_areas(points, faces)
+    total = float(areas.sum())
+    if not total > 0.0:
+        raise InputError("the model has no surface: all its faces have zero area")
+    shares = areas / total
+    lumped = sum_at_points(shares, faces, len(points))
+    centre = lumped @ points / 3.0
+    arm = points - centre
+    middle = _corner_sum(arm, faces)
+    second = arm.T @ (arm * lumped[:, None]) + middle @ (middle * shares).T
+    return total, centre, second / 12.0
+
+
+def _corner_sum(points: FloatArray, faces: IntArray) -> FloatArray:
+    """Return (3, m): the sum of the three corners of each face, axis by axis."""
+    corners = np.ascontiguousarray(faces.T)
+    return np.stack([axis.take(corners).sum(axis=0) for axis in np.ascontiguousarray(points.T)])
+
+
+def _third_moments(points: FloatArray, faces: IntArray) -> FloatArray:
+    """Return (3,): integrals of x^3, y^3, z^3 over the surface (up to a common factor)."""
+    areas = face_areas(points, faces)
+    corners = np.ascontiguousarray(faces.T)
+    moments = []
+    for axis in np.ascontiguousarray(points.T):
+        a, b, c = (axis.take(corner) for corner in corners)
+        # The integral of x^3 over a triangle is area/10 times the complete homogeneous polynomial h3(a, b, c).
+        total = a + b + c
+        moments.append(areas @ (total * (total * total - 2.0 * (a * b + b * c + c * a)) + a * b * c))
+    return np.array(moments)
+
+
+def canonical_frame(points: FloatArray, faces: IntArray) -> Frame:
+    """Return the frame of a surface.
+
+    The axes are the eigenvectors of the second moments, the signs those that make the third moments positive;
+    of a mirrored triple the axis with the smallest third moment is turned. Raises `InputError` for no surface.
+    """
+    area, centre, second = surface_moments(points, faces)
+    values, vectors = np.linalg.eigh(second)
+    values, axes = values[::-1], vectors[:, ::-1]
+    scale = float(np.sqrt(values.sum()))
+    if not scale > 0.0:
+        raise InputError("the model has no extent: all its surface lies in one point")
+    third = _third_moments((points - centre) @ (axes / scale), faces)
+    axes = axes * np.where(third < 0.0, -1.0, 1.0)
+    if np.linalg.det(axes) < 0.0:
+        axes[:, np.argmin(np.abs(third))] *= -1.0
+    return Frame(centre, scale, np.ascontiguousarray(axes), values / values.sum(), area / scale**2)
+
+
+def frame_alternatives(frame: Frame) -> Iterator[Frame]:
+    """Yield `frame`, then the other turns it may have been mistaken for, likeliest first.
+
+    The four proper sign patterns; then, where two moments are nearly equal, the same with those axes exchanged.
+    """
+    for order in permutations(range(3)):
+        moments = frame.moments[list(order)]
+        if (np.diff(moments) > SWAP_GAP).any():
+            continue
+        axes = frame.axes[:, list(order)]
+        if np.linalg.det(axes) < 0.0:
+            axes = axes * np.array([1.0, 1.0, -1.0])
+        for signs in ((1, 1, 1), (-1, -1, 1), (-1, 1, -1), (1, -1, -1)):
+            turned = np.ascontiguousarray(axes * np.array(signs, dtype=float))
+            yield Frame(frame.centre, frame.scale, turned, frame.moments, frame.area)

@@ -1,0 +1,130 @@
+"""Sample points that stand for the surface in integrals against smooth windows.
+
+Where triangles are small against the window a point takes a third of the area of the faces around it; larger
+triangles are split. Both are second-order quadratures, so refining a mesh hardly changes what is measured.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+import scipy.sparse as sp
+
+from meshmark.geometry.areas import area_vectors
+from meshmark.mesh import FloatArray, IntArray
+
+__all__ = ["Sampler", "Samples", "plan_samples"]
+
+# A face is split so far that huge ones cannot exhaust memory; the window then sees a coarser sum.
+MAX_SPLIT = 64
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """Positions (q, 3), area vectors (q, 3) and areas (q,) of the samples of one set of point positions."""
+
+    positions: FloatArray
+    vectors: FloatArray
+    areas: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Sampler:
+    """Which samples a mesh gets; fixed once, so that moving points moves samples smoothly.
+
+    faces: (m, 3); coarse: (c,) faces that are split; split_face (q',), split_weights (q', 3) barycentric,
+    split_share (q',) share of the face's area. The first samples are the points, the others the splits.
+    """
+
+    faces: IntArray
+    count: int
+    fine: IntArray
+    split_face: IntArray
+    split_weights: FloatArray
+    split_share: FloatArray
+
+    def __call__(self, points: FloatArray) -> Samples:
+        """Return the samples for positions (p, 3)."""
+        vectors = area_vectors(points, self.faces)
+        areas = np.sqrt(np.einsum("ij,ij->i", vectors, vectors))
+        lumped = self._lump @ np.column_stack([vectors, areas])
+        if not len(self.split_face):
+            return Samples(points, lumped[:, :3], lumped[:, 3])
+        corners = self.faces[self.split_face]
+        middle = sum(self.split_weights[:, i, None] * points[corners[:, i]] for i in range(3))
+        share = self.split_share[:, None]
+        return Samples(
+            np.concatenate([points, middle]),
+            np.concatenate([lumped[:, :3], vectors[self.split_face] * share]),
+            np.concatenate([lumped[:, 3], areas[self.split_face] * share[:, 0]]),
+        )
+
+    @cached_property
+    def _lump(self) -> sp.csr_array:
+        """(p, m): a third of each fine face to each of its points."""
+        rows = self.faces[self.fine].ravel()
+        columns = np.repeat(self.fine, 3)
+        values = np.full(len(rows), 1.0 / 3.0)
+        return sp.csr_array((values, (rows, columns)), shape=(self.count, len(self.faces)))
+
+    def normal_motion(self, samples: Samples, normals: FloatArray) -> sp.csr_array:
+        """Return (q, p): flux through each sample per unit of displacement of each point along its normal."""
+        lumped = np.einsum("ij,ij->i", normals, samples.vectors[: self.count])
+        if not len(self.split_face):
+            return sp.csr_array(sp.diags_array(lumped))
+        rows = self.count + np.repeat(np.arange(len(self.split_face)), 3)
+        columns = self.faces[self.split_face].ravel()
+        along = np.einsum("qij,qj->qi", normals[self.faces[self.split_face]], samples.vectors[self.count :])
+        values = (along * self.split_weights).ravel()
+        index = np.arange(self.count)
+        return sp.csr_array(
+            (
+                np.concatenate([lumped, values]),
+                (np.concatenate([index, rows]), np.concatenate([index, columns])),
+            ),
+            shape=(self.count + len(self.split_face), self.count),
+        )
+
+
+def plan_samples(points: FloatArray, faces: IntArray, longest: float) -> Sampler:
+    """Choose samples so that no piece of surface is longer than `longest` (units of `points`)."""
+    edge = np.sqrt(_longest_squares(points, faces))
+    pieces = np.clip(np.ceil(edge / longest), 1, MAX_SPLIT).astype(np.int64)
+    owners, weights, shares = [], [], []
+    for count in np.unique(pieces[pieces > 1]):
+        split = np.flatnonzero(pieces == count)
+        pattern = _centroids(int(count))
+        owners.append(np.repeat(split, len(pattern)))
+        weights.append(np.tile(pattern, (len(split), 1)))
+        shares.append(np.full(len(owners[-1]), 1.0 / count**2))
+    empty = np.zeros(0, np.int64)
+    return Sampler(
+        faces,
+        len(points),
+        np.flatnonzero(pieces == 1),
+        np.concatenate(owners) if owners else empty,
+        np.concatenate(weights) if weights else np.zeros((0, 3)),
+        np.concatenate(shares) if shares else np.zeros(0),
+    )
+
+
+def _longest_squares(points: FloatArray, faces: IntArray) -> FloatArray:
+    """Return (m,): the squared length of each face's longest edge."""
+    corners = np.ascontiguousarray(faces.T)
+    squares = np.zeros((3, len(faces)))
+    for axis in np.ascontiguousarray(points.T):
+        ends = axis.take(corners)
+        squares += (ends - np.roll(ends, 1, axis=0)) ** 2
+    return np.asarray(squares.max(axis=0))
+
+
+@lru_cache(maxsize=MAX_SPLIT)
+def _centroids(count: int) -> FloatArray:
+    """Barycentric centroids (count^2, 3) of a triangle cut into count^2 equal ones."""
+    i, j = np.meshgrid(np.arange(count), np.arange(count), indexing="ij")
+    up = np.column_stack([i[i + j < count], j[i + j < count]]) + 1.0 / 3.0
+    down = np.column_stack([i[i + j < count - 1], j[i + j < count - 1]]) + 2.0 / 3.0
+    first = np.concatenate([up, down]) / count
+    return np.column_stack([first, 1.0 - first.sum(axis=1)])

@@ -1,0 +1,71 @@
+"""Extraction: from a mesh and a key to presence and id, blind."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import log10
+from time import perf_counter
+
+import numpy as np
+
+from meshmark.carriers.quantisation import log_likelihood_ratio
+from meshmark.coding.codec import Codec, Decoded
+from meshmark.coding.keys import Key
+from meshmark.geometry.weld import weld
+from meshmark.mesh import Mesh
+from meshmark.schemes.ncdg_lv.parameters import DECODE_LOG10, PRESENT_LOG10
+from meshmark.schemes.ncdg_lv.reading import Reading, readings
+from meshmark.schemes.ncdg_lv.results import Extraction
+
+__all__ = ["extract"]
+
+
+def extract(mesh: Mesh, key: Key) -> Extraction:
+    """Read the id from `mesh` with `key` alone.
+
+    Hypotheses are scored by their lock, which does not depend on the message; those that stand out are decoded.
+    The false-positive bound is the chance of the lock times that of the decoded word, times the hypotheses.
+    Raises `InputError` where the mesh has no surface.
+    """
+    start = perf_counter()
+    codec = Codec(key)
+    best: Reading | None = None
+    for reading in readings(weld(mesh), key, codec.n):
+        if best is None or reading.log10_chance < best.log10_chance:
+            best = reading
+        if reading.log10_chance > DECODE_LOG10:
+            continue
+        decoded = _decode(codec, reading)
+        bound = min(0.0, log10(reading.hypotheses) + reading.log10_chance + decoded.log10_chance)
+        if decoded.id is not None and bound <= PRESENT_LOG10:
+            return _present(reading, codec, decoded, bound, perf_counter() - start)
+    return _without_id(best, perf_counter() - start)
+
+
+def _decode(codec: Codec, reading: Reading) -> Decoded:
+    observed = np.bincount(reading.keys.code_index, log_likelihood_ratio(reading.phase), codec.n)
+    return codec.decode(observed)
+
+
+def _present(reading: Reading, codec: Codec, decoded: Decoded, bound: float, seconds: float) -> Extraction:
+    bits = codec.encode(decoded.id or 0)[reading.keys.code_index]
+    agreeing = int(((np.cos(reading.phase) < 0.0) == (bits == 1)).sum())
+    count = len(reading.phase)
+    advice = "The mark was read." if agreeing > 0.9 * count else "The mark was read from a damaged model."
+    return Extraction(
+        "present", decoded.id, bound, "blind", count, agreeing, reading.score / count, advice, seconds
+    )
+
+
+def _without_id(best: Reading | None, seconds: float) -> Extraction:
+    if best is None:
+        advice = "The model has too few carriers to tell whether it is marked."
+        return Extraction("inconclusive", None, 0.0, "blind", 0, 0, 0.0, advice, seconds)
+    bound = min(0.0, log10(best.hypotheses) + best.log10_chance)
+    count = len(best.phase)
+    found = Extraction("absent", None, bound, "blind", count, 0, best.score / count, "", seconds)
+    if bound <= PRESENT_LOG10:
+        return replace(
+            found, presence="present", advice="A mark of this key is there, but too damaged to read its id."
+        )
+    return replace(found, advice="No mark of this key was found.")

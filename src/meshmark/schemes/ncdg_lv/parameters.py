@@ -1,0 +1,80 @@
+"""The numbers of the ownership layer, each with its reason, on one screen."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+__all__ = [
+    "BUDGETS",
+    "BUDGET_SHARE",
+    "CARRIER_ENOUGH",
+    "CARRIER_GOAL",
+    "CARRIER_MINIMUM",
+    "CARRIER_READABLE",
+    "DECODE_LOG10",
+    "EMBED_SELECTION",
+    "EXTRACT_SELECTION",
+    "LONGEST_SAMPLE",
+    "MOMENT_GAP",
+    "PRESENT_LOG10",
+    "SOLVE_FRAME_TOLERANCE",
+    "SOLVE_PASSES",
+    "SOLVE_TOLERANCE",
+    "SPACINGS",
+    "STEPS",
+    "STEP_TRIES",
+    "preferred_spacings",
+]
+
+# Largest RMS displacement over the bounding-box diagonal, per strength (INTERFACE).
+BUDGETS: Final = {"subtle": 2e-4, "standard": 8e-4, "strong": 2e-3}
+# Plan for a little less than the budget: the solve adds a few per cent while it converges.
+BUDGET_SHARE: Final = 0.95
+
+# Lattice spacings in units of the canonical scale. A fixed grid, because extraction must hit the very same one.
+SPACINGS: Final = 0.5 * 2.0 ** (-np.arange(19) / 4.0)
+# About so many cells have a patch of area spacing^2 each; fewer carry more energy per bit, more carry more bits.
+CARRIER_GOAL: Final = 300
+# A spacing with this many carriers is taken; else the one with most.
+CARRIER_ENOUGH: Final = 170
+# Below so many carriers of a 64-bit id no decoder can tell it from chance (decision 0004).
+CARRIER_MINIMUM: Final = 110
+# Fewer carriers than this are not read at all: nothing could be told from them.
+CARRIER_READABLE: Final = 60
+# Spacings tried around the preferred one, nearest first; thin walls need finer ones.
+SPACING_ORDER: Final = (0, 1, 2, 3, -1, 4, 5, -2)
+
+# Quantisation steps in spacings. Above the largest, bumps become visible and the solve nonlinear.
+STEPS: Final = 0.24 * 2.0 ** (-np.arange(25) / 4.0)
+
+# So many steps are tried from the largest affordable one down.
+STEP_TRIES: Final = 6
+
+# A sample of the surface is no longer than this share of a spacing (quadrature error below 0.003 spacings).
+LONGEST_SAMPLE: Final = 0.25
+
+# (mass, flatness, largest |offset|): the embedder shapes every cell that the extractor might select.
+EXTRACT_SELECTION: Final = (0.35, 0.70, 0.50)
+EMBED_SELECTION: Final = (0.28, 0.60, 0.60)
+
+# Second moments along different axes are kept apart by this share of their sum, so that the axes are defined.
+MOMENT_GAP: Final = 1e-3
+
+# A lock less likely than 10^this by chance is worth decoding.
+DECODE_LOG10: Final = -3.0
+# Newton passes at most, and when they may stop: the largest error of an offset in steps, of a frame moment.
+SOLVE_PASSES: Final = 8
+SOLVE_TOLERANCE: Final = 0.03
+SOLVE_FRAME_TOLERANCE: Final = 1e-6
+
+# "present" needs a false-positive bound below 10^this over everything that was tried.
+PRESENT_LOG10: Final = -6.0
+
+
+def preferred_spacings(area: float) -> list[float]:
+    """Spacings to try for a surface of this canonical area, likeliest first."""
+    best = int(np.argmin(np.abs(np.log(SPACINGS) - 0.5 * np.log(area / CARRIER_GOAL))))
+    indices = [best + turn for turn in SPACING_ORDER]
+    return [float(SPACINGS[i]) for i in indices if 0 <= i < len(SPACINGS)]

@@ -1,0 +1,83 @@
+"""Reading the lattice off a surface: every hypothesis about frame, spacing and step, and its lock score."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from meshmark.carriers.cells import Cells, measure_cells
+from meshmark.carriers.lattice import CellKeys, Lattice
+from meshmark.carriers.quantisation import bit_phase, lock_score, log10_lock_chance
+from meshmark.carriers.selection import select_cells
+from meshmark.coding.keys import Key
+from meshmark.geometry.frame import canonical_frame, frame_alternatives
+from meshmark.geometry.sampling import Samples, plan_samples
+from meshmark.geometry.weld import Welded
+from meshmark.schemes.ncdg_lv.parameters import (
+    CARRIER_READABLE,
+    EXTRACT_SELECTION,
+    LONGEST_SAMPLE,
+    STEPS,
+    preferred_spacings,
+)
+from meshmark.mesh import FloatArray
+
+__all__ = ["Reading", "read_cells", "readings"]
+
+
+@dataclass(frozen=True, eq=False)
+class Reading:
+    """The cells under one hypothesis of frame and spacing, at its best quantisation step.
+
+    phase: (n,) radians; score: sum of cos(2 phase); log10_chance: of the score alone, one hypothesis;
+    hypotheses: how many (frame, spacing, step) were scored up to and including this reading.
+    """
+
+    cells: Cells
+    keys: CellKeys
+    phase: FloatArray
+    score: float
+    log10_chance: float
+    hypotheses: int
+
+
+def readings(surface: Welded, key: Key, code_length: int) -> Iterator[Reading]:
+    """Yield a reading for each spacing and frame alternative with enough cells, likeliest first."""
+    frame = canonical_frame(surface.points, surface.faces)
+    canonical = frame.to_canonical(surface.points)
+    tried = 0
+    for spacing in preferred_spacings(frame.area):
+        lattice = Lattice.keyed(key, spacing)
+        samples = plan_samples(canonical, surface.faces, LONGEST_SAMPLE * spacing)(canonical)
+        for other in frame_alternatives(frame):
+            turn = frame.axes.T @ other.axes
+            cells, keys = read_cells(samples, lattice, turn, code_length)
+            if len(cells.nodes) < CARRIER_READABLE:
+                continue
+            tried += len(STEPS)
+            yield _at_best_step(cells, keys, tried)
+
+
+def read_cells(
+    samples: Samples, lattice: Lattice, turn: FloatArray, code_length: int
+) -> tuple[Cells, CellKeys]:
+    """Return the selected cells of canonical samples turned by `turn` (3, 3), and what the key says of them."""
+    axes = turn @ lattice.axes.T
+    placed = Samples(
+        samples.positions @ (axes / lattice.spacing) + lattice.shift, samples.vectors @ axes, samples.areas
+    )
+    cells = measure_cells(placed)
+    # The flux is in units of area; a plane patch of one spacing squared has mass 1.
+    cells = Cells(cells.nodes, cells.offset, cells.normal, cells.mass / lattice.spacing**2, cells.flatness)
+    cells = cells.take(select_cells(cells, EXTRACT_SELECTION))
+    return cells, lattice.keys(cells.nodes, code_length)
+
+
+def _at_best_step(cells: Cells, keys: CellKeys, tried: int) -> Reading:
+    phases = bit_phase(cells.offset, keys.dither, STEPS[:, None])
+    scores = lock_score(phases)
+    best = int(np.argmax(scores))
+    score = float(scores[best])
+    return Reading(cells, keys, phases[best], score, log10_lock_chance(score, len(cells.nodes)), tried)

@@ -1,0 +1,72 @@
+"""What embedding and extraction return; `to_dict` is the JSON of the command line."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+from meshmark.coding.message import format_id
+from meshmark.mesh import Mesh
+
+__all__ = ["Embedding", "Extraction"]
+
+
+@dataclass(frozen=True, eq=False)
+class Embedding:
+    """A marked mesh and how it came out.
+
+    id: the 64-bit id; layers: what was embedded; vertices, faces: of the file; carriers: cells that an
+    extraction reads; rms_over_diagonal, max_over_diagonal: vertex displacement over the bounding-box diagonal;
+    psnr_db: 20 log10(diagonal / RMS); verified: the positions as the file holds them were decoded again.
+    """
+
+    mesh: Mesh
+    id: int
+    layers: str
+    vertices: int
+    faces: int
+    carriers: int
+    mark_vertices: int
+    payload_bytes: int
+    rms_over_diagonal: float
+    max_over_diagonal: float
+    psnr_db: float
+    verified: bool
+    seconds: float
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the fields without the mesh, the id in hexadecimal."""
+        return _plain(self)
+
+
+@dataclass(frozen=True, eq=False)
+class Extraction:
+    """What was read from a mesh.
+
+    presence: "present", "absent" or "inconclusive"; id: the 64-bit id or None.
+    log10_false_positive: bound on the chance of this answer without a mark of this key, over all that was tried.
+    mode: "blind". carriers: cells read; carriers_agreeing: those whose bit is the decoded one's.
+    lock_score: mean cos(2 phase), 1 for an untouched mark and about 0 without one.
+    advice: one sentence for the reader.
+    """
+
+    presence: str
+    id: int | None
+    log10_false_positive: float
+    mode: str
+    carriers: int
+    carriers_agreeing: int
+    lock_score: float
+    advice: str
+    seconds: float
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the fields, the id in hexadecimal."""
+        return _plain(self)
+
+
+def _plain(result: Embedding | Extraction) -> dict[str, Any]:
+    values = {field.name: getattr(result, field.name) for field in fields(result) if field.name != "mesh"}
+    if result.id is not None:
+        values["id"] = format_id(result.id)
+    return values
