@@ -1,9 +1,9 @@
 """Id to code bits and back, under a key: what a scheme calls.
 
 The id is one word of a keyed linear code, XORed with a keyed mask. Nothing else is needed for a check: an
-unmarked model (or a wrong key) shows random code bits, so the chance that *any* of the 2^64 words agrees as well
-as the one found has a bound that holds for every decoder (`log10_chance`). An id is returned only where this
-bound lies under a limit; the default, 2^-32, is the strength of a 32-bit check word.
+unmarked model (or a wrong key) shows random code bits, so the chance that *any* of the 2^64 words agrees as
+well as the one found has a bound that holds for every decoder (`log10_chance`). An id is returned only where
+this bound lies under a limit; the default, 2^-32, is the strength of a 32-bit check word.
 """
 
 from __future__ import annotations
@@ -17,16 +17,18 @@ from scipy.optimize import minimize_scalar
 
 from meshmark.coding.keyed import keyed_bits
 from meshmark.coding.keys import Key
-from meshmark.coding.message import ID_BITS, bits_to_id, id_to_bits
-from meshmark.coding.ordered_statistics import ordered_statistics
+from meshmark.coding.list_decoder import ListDecoder
+from meshmark.coding.message import ID_BITS, check_id
 from meshmark.coding.polar import Bits, polar_code
 from meshmark.errors import InputError
 from meshmark.mesh import FloatArray
 
 __all__ = ["CHECK_WORD_LIMIT", "Codec", "Decoded", "log10_chance"]
 
-LENGTH = 1024
-CHECKS = 16
+# Chosen by measurement, docs/decisions/0004-code.md.
+LENGTH = 4096
+CHECKS = 8
+PATHS = 32
 CHECK_WORD_LIMIT: Final = -32 * log10(2.0)
 
 
@@ -36,13 +38,13 @@ class Decoded:
 
     id:                 the 64-bit id, or None where nothing passes the limit
     candidates_tested:  words compared with the observations
-    bits:               (n,) the code bits of the best candidate, passed or not; None without any candidate
+    bits:               (n,) the code bits of the best candidate, passed or not
     log10_chance:       log10 of a bound on the chance that random observations agree this well with any word
     """
 
     id: int | None
     candidates_tested: int
-    bits: Bits | None = field(repr=False)
+    bits: Bits = field(repr=False)
     log10_chance: float
 
 
@@ -52,41 +54,38 @@ class Codec:
     def __init__(self, key: Key) -> None:
         self._code = polar_code(LENGTH, ID_BITS, CHECKS, key.subkey("code"))
         self._mask = keyed_bits(key.subkey("code mask"), LENGTH)
+        self._decoder = ListDecoder(self._code)
 
     @property
     def n(self) -> int:
         """Number of code bits."""
-        return self._code.length
+        return LENGTH
 
     def encode(self, identity: int) -> Bits:
         """Return the code bits (n,) of an id; raises `InputError` where it has more than 64 bits."""
-        return self._code.encode(id_to_bits(identity)) ^ self._mask
+        return self._code.encode(check_id(identity)) ^ self._mask
 
     def decode(self, llr: FloatArray, log10_limit: float = CHECK_WORD_LIMIT) -> Decoded:
         """Return the id behind the observations.
 
-        llr: (n,) log-likelihood ratio log(P(0)/P(1)) of each code bit, the sum over the cells that carry it,
-             0 where none does. Signs must be fair coins on unmarked models, whatever the magnitudes.
+        llr: (n,) log-likelihood ratio log(P(0)/P(1)) of each code bit in any common scale, the sum over the
+             cells that carry it, 0 where none does. On unmarked models its signs must be fair coins.
+
+        Raises `InputError` for any other shape, or numbers that are not finite.
         """
-        if np.shape(llr) != (self.n,) or not np.isfinite(llr).all():
-            raise InputError(f"the observations have shape {np.shape(llr)}, expected {self.n} finite numbers")
+        if np.shape(llr) != (LENGTH,) or not np.isfinite(llr).all():
+            raise InputError(f"the observations have shape {np.shape(llr)}, expected {LENGTH} finite numbers")
         values = llr * (1.0 - 2.0 * self._mask)
-        tested, best, agreement, chance = 0, None, 0.0, 0.0
-        for candidate in ordered_statistics(self._code.generator, values, bases=8):
-            tested += 1
-            if candidate.agreement > agreement:
-                best, agreement = candidate.bits, candidate.agreement
-                chance = log10_chance(values, agreement)
-            if chance <= log10_limit:
-                break
-        if best is None:
-            return Decoded(None, tested, None, 0.0)
-        found = bits_to_id(best) if chance <= log10_limit else None
-        return Decoded(found, tested, self._code.encode(best) ^ self._mask, chance)
+        ids, words = self._decoder.decode(values, PATHS)
+        agreement = (1.0 - 2.0 * words) @ values
+        best = int(np.argmax(agreement))
+        chance = log10_chance(values, float(agreement[best]))
+        found = int(ids[best]) if chance <= log10_limit else None
+        return Decoded(found, len(ids), words[best] ^ self._mask, chance)
 
 
 def log10_chance(llr: FloatArray, agreement: float) -> float:
-    """Bound log10 of the chance that `llr` with random signs agrees with any of the 2^64 words as well as given.
+    """Bound log10 of the chance that random signs agree with any of the 2^64 words as well as given.
 
     Chernoff's bound for one word, min over s of prod cosh(s l_i) / e^(s agreement), times 2^64.
     """

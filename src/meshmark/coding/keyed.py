@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from meshmark.errors import InputError
 from meshmark.mesh import FloatArray, IntArray
 
-__all__ = ["cell_words", "keyed_bits", "keyed_bytes", "offset", "rotation", "unit_interval"]
+__all__ = ["cell_words", "keyed_bits", "keyed_words", "offset", "rotation", "unit_interval"]
 
 _CELL = b"meshmark cell 1"
 _STREAM = b"meshmark strm 1"
@@ -45,24 +45,24 @@ def unit_interval(words: NDArray[np.uint64]) -> FloatArray:
     return np.asarray((words >> np.uint64(11)).astype(np.float64) * _UNIT)
 
 
-def keyed_bytes(subkey: bytes, count: int) -> bytes:
-    """Return the first `count` bytes of the subkey's pseudo-random stream (BLAKE2b of a counter)."""
+def keyed_words(subkey: bytes, count: int) -> NDArray[np.uint64]:
+    """Return the first `count` 64-bit words of the subkey's pseudo-random stream: BLAKE2b of a counter."""
     blocks = (
         blake2b(block.to_bytes(8, "little"), digest_size=_BLOCK, key=subkey, person=_STREAM).digest()
-        for block in range(-(-count // _BLOCK))
+        for block in range(-(-count // _MAX_WORDS))
     )
-    return b"".join(blocks)[:count]
+    return np.frombuffer(b"".join(blocks), dtype="<u8")[:count].astype(np.uint64)
 
 
 def keyed_bits(subkey: bytes, count: int) -> NDArray[np.uint8]:
     """Return the first `count` bits of the subkey's pseudo-random stream, shape (count,), values 0 and 1."""
-    stream = np.frombuffer(keyed_bytes(subkey, -(-count // 8)), dtype=np.uint8)
-    return np.unpackbits(stream, count=count)
+    stream = keyed_words(subkey, -(-count // 64)).astype("<u8").view(np.uint8)
+    return np.unpackbits(stream, count=count, bitorder="little")
 
 
 def offset(subkey: bytes) -> FloatArray:
     """Return three pseudo-random numbers in [0, 1): (3,)."""
-    return unit_interval(np.frombuffer(keyed_bytes(subkey, 24), dtype="<u8").astype(np.uint64))
+    return unit_interval(keyed_words(subkey, 3))
 
 
 def rotation(subkey: bytes) -> FloatArray:
@@ -72,7 +72,7 @@ def rotation(subkey: bytes) -> FloatArray:
     """
     attempts = 1
     while True:
-        words = np.frombuffer(keyed_bytes(subkey, 32 * attempts), dtype="<u8").astype(np.uint64)[-4:]
+        words = keyed_words(subkey, 4 * attempts)[-4:]
         w, x, y, z = (2.0 * float(part) - 1.0 for part in unit_interval(words))
         square = w * w + x * x + y * y + z * z
         if 0.01 < square <= 1.0:

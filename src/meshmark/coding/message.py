@@ -5,12 +5,9 @@ from __future__ import annotations
 import re
 import secrets
 
-import numpy as np
-from numpy.typing import NDArray
-
 from meshmark.errors import InputError
 
-__all__ = ["ID_BITS", "bits_to_id", "format_id", "id_to_bits", "parse_id", "random_id"]
+__all__ = ["ID_BITS", "check_id", "format_id", "parse_id", "random_id"]
 
 ID_BITS = 64
 _HEX = re.compile(r"[0-9a-fA-F]{16}")
@@ -25,7 +22,7 @@ def parse_id(text: str) -> int:
 
 def format_id(identity: int) -> str:
     """Return the 16 lower-case hexadecimal digits of an id; raises `InputError` outside 0 to 2^64 - 1."""
-    return f"{_checked(identity):016x}"
+    return f"{check_id(identity):016x}"
 
 
 def random_id() -> int:
@@ -33,17 +30,8 @@ def random_id() -> int:
     return secrets.randbits(ID_BITS)
 
 
-def id_to_bits(identity: int) -> NDArray[np.uint8]:
-    """Return the bits of an id, shape (64,), the highest first."""
-    return np.unpackbits(np.frombuffer(_checked(identity).to_bytes(8, "big"), dtype=np.uint8))
-
-
-def bits_to_id(bits: NDArray[np.uint8]) -> int:
-    """Return the id whose bits are given, shape (64,), the highest first."""
-    return int.from_bytes(np.packbits(bits).tobytes(), "big")
-
-
-def _checked(identity: int) -> int:
+def check_id(identity: int) -> int:
+    """Return the id unchanged; raises `InputError` outside 0 to 2^64 - 1."""
     if not 0 <= identity < 1 << ID_BITS:
         raise InputError(f"the id {identity} is not a {ID_BITS}-bit number")
     return identity
