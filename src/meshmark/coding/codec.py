@@ -13,7 +13,6 @@ from math import log, log10
 from typing import Final
 
 import numpy as np
-from scipy.optimize import minimize_scalar
 
 from meshmark.coding.keyed import keyed_bits
 from meshmark.coding.keys import Key
@@ -30,6 +29,10 @@ LENGTH = 4096
 CHECKS = 8
 PATHS = 32
 CHECK_WORD_LIMIT: Final = -32 * log10(2.0)
+
+_NEWTON_STEPS = 20
+_LARGEST_S = 20.0
+_TINY = 1e-12
 
 
 @dataclass(frozen=True)
@@ -77,7 +80,8 @@ class Codec:
             raise InputError(f"the observations have shape {np.shape(llr)}, expected {LENGTH} finite numbers")
         values = llr * (1.0 - 2.0 * self._mask)
         ids, words = self._decoder.decode(values, PATHS)
-        agreement = (1.0 - 2.0 * words) @ values
+        seen = np.flatnonzero(values)
+        agreement = values.sum() - 2.0 * (words[:, seen] @ values[seen])
         best = int(np.argmax(agreement))
         chance = log10_chance(values, float(agreement[best]))
         found = int(ids[best]) if chance <= log10_limit else None
@@ -87,18 +91,20 @@ class Codec:
 def log10_chance(llr: FloatArray, agreement: float) -> float:
     """Bound log10 of the chance that random signs agree with any of the 2^64 words as well as given.
 
-    Chernoff's bound for one word, min over s of prod cosh(s l_i) / e^(s agreement), times 2^64.
+    agreement: sum of the LLRs (any shape, any scale), each times the sign that the word predicts.
+    For one word Chernoff's bound, prod cosh(s l_i) / e^(s agreement), which holds for every s; times 2^64.
     """
     magnitudes = np.abs(llr[llr != 0.0])
     if not len(magnitudes) or agreement <= 0.0:
         return 0.0
-    scaled = magnitudes / magnitudes.mean()
-    target = agreement / magnitudes.mean()
-    constant = len(scaled) * log(2.0)
-
-    def exponent(s: float) -> float:
-        # log cosh x = x + log1p(e^-2x) - log 2, stable for large x
-        return float((s * scaled + np.log1p(np.exp(-2.0 * s * scaled))).sum()) - constant - s * target
-
-    bound = minimize_scalar(exponent, bounds=(0.0, 40.0), method="bounded").fun
-    return min(0.0, (ID_BITS * log(2.0) + float(bound)) / log(10.0))
+    scale = magnitudes.mean()
+    sizes, target = magnitudes / scale, agreement / scale
+    # The best s solves sum l tanh(s l) = agreement; the left side is concave: Newton never overshoots.
+    s = 0.0
+    for _ in range(_NEWTON_STEPS):
+        slope = np.tanh(s * sizes)
+        s += max(0.0, target - sizes @ slope) / (sizes**2 @ (1.0 - slope**2) + _TINY)
+        s = min(s, _LARGEST_S)
+    # log cosh x = x + log(1 + e^-2x) - log 2, stable for large x
+    exponent = s * (sizes.sum() - target) + np.log1p(np.exp(-2.0 * s * sizes)).sum() - len(sizes) * log(2.0)
+    return min(0.0, float(exponent + ID_BITS * log(2.0)) / log(10.0))

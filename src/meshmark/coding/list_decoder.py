@@ -1,7 +1,7 @@
 """Successive-cancellation list decoding of the polar code, whole subtrees at a time.
 
 The tree of a polar code is walked as in Tal and Vardy (2015): left half by f (both code bits combined), right
-half by g (given the left half), with the best `paths` decisions kept; min-sum, so no scale of the LLRs matters.
+half by g (given the left half), with the best `paths` decisions kept; min-sum, so the LLRs need no scale.
 A subtree that holds few id bits is not walked: all its words are compared at once, one matrix product for all
 paths, which is exact and makes it fast in numpy. A subtree without any id bit has one word per path, and
 still tells good paths from bad.

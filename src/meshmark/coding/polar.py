@@ -2,8 +2,9 @@
 
 Polar transform: x = u F^(x m), F = [[1, 0], [1, 1]] (Arikan 2009). The id bits stand at reliable positions of
 u. Every other position after the first id bit holds a keyed random sum of the id bits before it ("dynamic
-frozen bits", Trifonov 2016). So the check is spread over the whole code: it costs no rate, it tells paths apart
-while the list decoder runs, and it removes the low-weight words that make a plain polar code confuse neighbours.
+frozen bits", Trifonov 2016). So the check is spread over the whole code: it costs no rate, it tells paths
+apart while the list decoder runs, and it removes the low-weight words that make a plain polar code confuse
+neighbours.
 
 A sum of id bits is written as one 64-bit set: bit j of it says whether bit j of the id takes part.
 """
