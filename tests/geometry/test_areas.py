@@ -2,7 +2,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from meshmark.geometry.areas import area_vectors, face_areas, vertex_areas, vertex_normals
+from meshmark.geometry.areas import (
+    area_vectors,
+    face_areas,
+    vertex_areas,
+    vertex_areas_and_normals,
+    vertex_normals,
+)
 from meshmark.mesh import FloatArray, IntArray
 
 RNG = np.random.default_rng(3)
@@ -42,3 +48,10 @@ def test_points_without_area_get_a_zero_normal() -> None:
     points = np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0], [5, 5, 5]], float)
     assert not vertex_normals(points, np.array([[0, 1, 2]])).any()
     assert vertex_normals(points, np.zeros((0, 3), np.int64)).shape == (4, 3)
+
+
+def test_areas_and_normals_together_equal_each_alone() -> None:
+    points, faces = RNG.normal(size=(20, 3)), RNG.integers(0, 20, (50, 3))
+    areas, normals = vertex_areas_and_normals(points, faces)
+    np.testing.assert_allclose(areas, vertex_areas(points, faces))
+    np.testing.assert_allclose(normals, vertex_normals(points, faces))

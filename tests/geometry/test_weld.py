@@ -29,6 +29,7 @@ def test_points_are_the_distinct_rows_in_order_of_appearance(seed: int, corners:
     place = {row: index for index, row in enumerate(dict.fromkeys(rows))}
     assert welded.point_of_vertex.tolist() == [place[row] for row in rows]
     assert [tuple(row) for row in welded.points.tolist()] == list(place)
+    assert welded.vertex_of_point.tolist() == [rows.index(row) for row in place]
     expected = [face for face in welded.point_of_vertex[mesh.faces].tolist() if len(set(face)) == 3]
     assert welded.faces.tolist() == expected
 

@@ -3,37 +3,42 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.sparse import csc_array
 
 from meshmark.mesh import FloatArray, IntArray
 
-__all__ = ["area_vectors", "face_areas", "sum_at_points", "vertex_areas", "vertex_normals"]
+__all__ = [
+    "area_vectors",
+    "face_areas",
+    "sum_at_points",
+    "vertex_areas",
+    "vertex_areas_and_normals",
+    "vertex_normals",
+]
 
 
 def area_vectors(points: FloatArray, faces: IntArray) -> FloatArray:
     """Return (m, 3): the normal of each face times its area, half the cross product of two edges."""
-    corners = np.ascontiguousarray(faces.T)
-    axes = np.ascontiguousarray(points.T)
-    a, b, c = ([axis.take(corner) for axis in axes] for corner in corners)  # far faster than rows
-    u = [q - p for p, q in zip(a, b, strict=True)]
-    v = [q - p for p, q in zip(a, c, strict=True)]
+    a = points.take(faces[:, 0], axis=0)  # `take` gathers rows three times as fast as indexing
+    u = points.take(faces[:, 1], axis=0) - a
+    v = points.take(faces[:, 2], axis=0) - a
     out = np.empty((len(faces), 3))
     for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):  # twice as fast as np.cross
-        out[:, i] = 0.5 * (u[j] * v[k] - u[k] * v[j])
+        out[:, i] = u[:, j] * v[:, k] - u[:, k] * v[:, j]
+    out *= 0.5
     return out
 
 
 def face_areas(points: FloatArray, faces: IntArray) -> FloatArray:
     """Return (m,): the area of each face."""
-    vectors = area_vectors(points, faces)
-    return np.sqrt(np.einsum("ij,ij->i", vectors, vectors))
+    return _lengths(area_vectors(points, faces))
 
 
 def sum_at_points(values: FloatArray, faces: IntArray, count: int) -> FloatArray:
-    """Return (count,): at each point the sum of `values` (m,) over the faces that meet there."""
-    out = np.zeros(count)
-    for corner in faces.T:
-        out += np.bincount(corner, weights=values, minlength=count)
-    return out
+    """Return (count,) or (count, k): at each point the sum of `values` (m,) or (m, k) of the faces there."""
+    starts = np.arange(0, faces.size + 1, 3)
+    at = csc_array((np.ones(faces.size), faces.ravel(), starts), shape=(count, len(faces)))
+    return np.asarray(at @ values)
 
 
 def vertex_areas(points: FloatArray, faces: IntArray) -> FloatArray:
@@ -42,9 +47,25 @@ def vertex_areas(points: FloatArray, faces: IntArray) -> FloatArray:
 
 
 def vertex_normals(points: FloatArray, faces: IntArray) -> FloatArray:
-    """Return (p, 3): unit normals, area-weighted over the faces at each point; (0, 0, 0) where they cancel."""
+    """Return (p, 3): unit normals, area-weighted over the faces at each point; zeros where they cancel."""
+    return _unit(sum_at_points(area_vectors(points, faces), faces, len(points)))
+
+
+def vertex_areas_and_normals(points: FloatArray, faces: IntArray) -> tuple[FloatArray, FloatArray]:
+    """Return `vertex_areas` (p,) and `vertex_normals` (p, 3) for little more than the price of one."""
     vectors = area_vectors(points, faces)
-    normals = np.stack([sum_at_points(axis, faces, len(points)) for axis in vectors.T], axis=1)
-    length = np.sqrt(np.einsum("ij,ij->i", normals, normals))
+    both = np.concatenate([vectors, _lengths(vectors)[:, None]], axis=1)
+    sums = sum_at_points(both, faces, len(points))
+    return sums[:, 3] / 3.0, _unit(sums[:, :3])
+
+
+def _unit(vectors: FloatArray) -> FloatArray:
+    length = _lengths(vectors)
     length[length == 0.0] = 1.0
-    return normals / length[:, None]
+    unit: FloatArray = vectors / length[:, None]
+    return unit
+
+
+def _lengths(vectors: FloatArray) -> FloatArray:
+    lengths: FloatArray = np.sqrt(np.einsum("ij,ij->i", vectors, vectors))
+    return lengths

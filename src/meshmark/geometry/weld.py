@@ -25,6 +25,14 @@ class Welded:
     faces: IntArray
     point_of_vertex: IntArray
 
+    @property
+    def vertex_of_point(self) -> IntArray:
+        """(p,) int64: the first vertex of each point."""
+        first = np.empty(len(self.points), np.int64)
+        backwards = self.point_of_vertex[::-1]
+        first[backwards] = np.arange(len(backwards))[::-1]  # the last assignment stays
+        return first
+
 
 def weld(mesh: Mesh) -> Welded:
     """Join the vertices of `mesh` that coincide exactly; texture seams and STL corners close up.
@@ -56,12 +64,13 @@ def _order_equal_together(vertices: FloatArray) -> IntArray:
 
 def _hash_rows(vertices: FloatArray) -> NDArray[np.uint64]:
     x, y, z = vertices.view(np.uint64).T
-    key = x * np.uint64(0x9E3779B97F4A7C15)
+    key: NDArray[np.uint64] = x * np.uint64(0x9E3779B97F4A7C15)
     key ^= key >> np.uint64(29)
     key = (key + y) * np.uint64(0xBF58476D1CE4E5B9)
     key ^= key >> np.uint64(32)
     key = (key + z) * np.uint64(0x94D049BB133111EB)
-    return key ^ (key >> np.uint64(31))
+    key ^= key >> np.uint64(31)
+    return key
 
 
 def _equals_previous(vertices: FloatArray, order: IntArray) -> NDArray[np.bool_]:

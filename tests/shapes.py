@@ -1,0 +1,33 @@
+"""Small surfaces made by code, for tests."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from meshmark.mesh import FloatArray, IntArray
+
+
+def sphere_with_a_spike(across: int = 24) -> tuple[FloatArray, IntArray, int]:
+    """A closed latitude-longitude sphere, one point pulled out; returns points, faces, that point."""
+    turn = 2 * np.pi * np.arange(across) / across
+    rise = np.pi * np.arange(1, across // 2) / (across // 2)
+    rings = np.stack(
+        [
+            np.outer(np.sin(rise), np.cos(turn)),
+            np.outer(np.sin(rise), np.sin(turn)),
+            np.outer(np.cos(rise), np.ones(across)),
+        ],
+        axis=2,
+    )
+    points = np.concatenate([rings.reshape(-1, 3), [[0, 0, 1], [0, 0, -1]]])
+    here = np.arange((len(rise) - 1) * across).reshape(-1, across)
+    right = np.roll(here, -1, axis=1)
+    sides = [np.stack([here, here + across, right], -1), np.stack([right, here + across, right + across], -1)]
+    first, last = np.arange(across), np.arange(across) + (len(rise) - 1) * across
+    top = np.stack([np.full(across, len(points) - 2), first, np.roll(first, -1)], axis=1)
+    bottom = np.stack([np.full(across, len(points) - 1), np.roll(last, -1), last], axis=1)
+    faces = np.concatenate([side.reshape(-1, 3) for side in sides] + [top, bottom])
+    points += 1e-3 * np.random.default_rng(1).normal(size=points.shape)  # no two places alike
+    tip = 5 * across + 7
+    points[tip] *= 1.3
+    return points, faces, tip
