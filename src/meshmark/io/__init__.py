@@ -1,0 +1,9 @@
+"""Files to meshes and back: a save patches positions into the original bytes and changes nothing else."""
+
+from __future__ import annotations
+
+from meshmark.io.formats import FORMATS
+from meshmark.io.save import WriteReport, conform, write_mesh
+from meshmark.io.source import read_mesh
+
+__all__ = ["FORMATS", "WriteReport", "conform", "read_mesh", "write_mesh"]

@@ -19,8 +19,11 @@ Converted = tuple[dict[str, bytes], tuple[str, ...]]
 _HEAD = 65536
 
 _PLY = re.compile(rb"ply[ \t]*[\r\n]")
-_OFF = re.compile(rb"(?:\s|#[^\r\n]*[\r\n])*(?:ST)?C?N?4?n?OFF(?![A-Za-z0-9_])")
-_STL = re.compile(rb"\s*solid\b.*?[\r\n]\s*(?:facet\s|endsolid)", re.DOTALL | re.IGNORECASE)
+_OFF = re.compile(
+    rb"(?:\xef\xbb\xbf)?(?:\s|#[^\r\n]*[\r\n])*(?:(?:ST)?C?N?4?n?OFF|(?:st)?c?n?off)(?![A-Za-z_])"
+)
+_SOLID = re.compile(rb"(?:\xef\xbb\xbf)?\s*solid\b", re.IGNORECASE)
+_FACET = re.compile(rb"[\r\n][ \t]*(?:facet|endsolid)\b", re.IGNORECASE)
 _OBJ = re.compile(rb"(?:^|[\r\n])[ \t]*v[ \t]+[-+.0-9]")
 _JSON = re.compile(rb"(?:\xef\xbb\xbf)?\s*\{")
 
@@ -59,7 +62,9 @@ def _looks_like_ply(head: bytes, size: int) -> bool:
 def _looks_like_stl(head: bytes, size: int) -> bool:
     # A binary STL has no magic: its length must agree with its count of 50-byte facets.
     facets = int.from_bytes(head[80:84], "little") if size >= 84 else 0
-    return (facets > 0 and size == 84 + 50 * facets) or _STL.match(head) is not None
+    return (facets > 0 and size == 84 + 50 * facets) or (
+        _SOLID.match(head) is not None and _FACET.search(head) is not None
+    )
 
 
 def _looks_like_glb(head: bytes, size: int) -> bool:

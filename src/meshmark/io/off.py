@@ -1,0 +1,174 @@
+"""OFF and its variants with normals, colours and texture coordinates, as Geomview defines them."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+from meshmark.errors import FormatError
+from meshmark.io.colors import rgba
+from meshmark.io.document import Attributes
+from meshmark.io.patch_document import PatchDocument, patch_document
+from meshmark.io.polygons import check_indices, fan_corners, spread
+from meshmark.io.text_positions import text_positions
+from meshmark.io.text_tokens import Tokens, parse_floats, parse_ints, tokenise
+from meshmark.mesh import FloatArray, IntArray
+
+__all__ = ["parse_off"]
+
+# [ST][C][N][4][n]OFF; all lower case is seen too. Some writers put the first count right behind it.
+_MAGIC = re.compile(r"(ST)?(C)?(N)?(4)?(n)?OFF(\d*)$")
+
+
+@dataclass(frozen=True, eq=False)
+class _Layout:
+    """Where things stand in an OFF file: token indices."""
+
+    magic: str
+    vertices: int
+    faces: int
+    first_vertex: int
+    per_vertex: int
+    normals: bool
+    colors: int
+    texcoords: bool
+
+    @property
+    def first_face(self) -> int:
+        return self.first_vertex + self.vertices * self.per_vertex
+
+    def column(self, place: int, width: int) -> IntArray:
+        """Return the (n * width,) tokens of the numbers `place` to `place + width` of each vertex."""
+        rows = self.first_vertex + self.per_vertex * np.arange(self.vertices)
+        return (rows[:, None] + place + np.arange(width)).ravel()
+
+
+def parse_off(data: bytes, path: Path) -> PatchDocument:
+    """Read an OFF file. Raises `FormatError` where it breaks the format."""
+    tokens = tokenise(data, comments=True)
+    layout = _layout(tokens)
+    positions = text_positions(data, tokens, layout.column(0, 3).reshape(-1, 3))
+    corners, sizes, colored = _faces(tokens, layout)
+    check_indices(corners, layout.vertices)
+    faces = corners[fan_corners(sizes)]
+    polygons = bool((sizes > 3).any())
+    facts = {"encoding": "text", "variant": layout.magic, "polygons": polygons, "face_colors": colored}
+    load = partial(_attributes, data, polygons, colored)
+    return patch_document("off", positions, faces, load, facts)
+
+
+def _layout(tokens: Tokens) -> _Layout:
+    magic, first = _magic(tokens)
+    counts, first = _counts(tokens, first)
+    if counts[0] <= 0:
+        raise FormatError(f"the header declares {counts[0]} vertices, expected at least 1")
+    if counts[1] <= 0:
+        raise FormatError(
+            f"the header declares {counts[1]} faces, expected a surface (point clouds carry no mark)"
+        )
+    normals, texcoords = "N" in magic, magic.startswith("ST")
+    fixed = 3 + 3 * normals + 2 * texcoords
+    colors = 0
+    if "C" in magic:
+        # Geomview wants four numbers; three are common. The first vertex's line tells.
+        line = int(np.searchsorted(tokens.first, first, side="right")) - 1
+        colors = int(tokens.counts()[line]) - fixed if 0 <= line else 4
+        colors = colors if colors in (3, 4) and tokens.first[line] == first else 4
+    per_vertex = fixed + colors
+    left = len(tokens.starts) - first
+    if counts[0] * per_vertex + counts[1] > left:
+        raise FormatError(
+            f"the header declares {counts[0]} vertices and {counts[1]} faces, but only {left} numbers follow"
+        )
+    return _Layout(magic, counts[0], counts[1], first, per_vertex, normals, colors, texcoords)
+
+
+def _magic(tokens: Tokens) -> tuple[str, int]:
+    word = tokens.word(0) if len(tokens.starts) else ""
+    found = _MAGIC.match(word.upper() if word.islower() else word)
+    if found is None:
+        raise FormatError(f"the file starts with '{word}', expected OFF, COFF, NOFF or another OFF header")
+    if found[4] or found[5]:
+        raise FormatError(f"the header is {word}, but only points in three dimensions can be read")
+    if len(tokens.starts) > 1 and tokens.word(1).upper() == "BINARY":
+        raise FormatError("the file is binary OFF, expected OFF as text")
+    glued = len(found[6])
+    if glued:
+        tokens.starts[0] += len(word) - glued
+    name = found[0][: len(found[0]) - glued]
+    return name, 0 if glued else 1
+
+
+def _counts(tokens: Tokens, first: int) -> tuple[list[int], int]:
+    """Return the numbers of vertices and faces, and the token after them; the edge count may be missing."""
+    line = int(np.searchsorted(tokens.first, first, side="right")) - 1
+    end = int(np.append(tokens.first, len(tokens.starts))[line + 1]) if len(tokens.starts) > first else first
+    if end - first < 2:
+        raise FormatError("the header has no counts of vertices and faces, expected two or three numbers")
+    # With everything on one line, the third number is the edge count.
+    end = min(end, first + 3)
+    counts = parse_ints(tokens.text, tokens.starts[first:end], tokens.ends[first:end])
+    return [int(count) for count in counts[:2]], end
+
+
+def _faces(tokens: Tokens, layout: _Layout) -> tuple[IntArray, IntArray, bool]:
+    """Return the flat corners, the corners per face, and whether faces have colours."""
+    begin = layout.first_face
+    line = int(np.searchsorted(tokens.first, begin))
+    lines = tokens.first[line:]
+    if len(lines) == layout.faces and len(lines) and lines[0] == begin:
+        heads, room = lines, np.diff(lines, append=len(tokens.starts)) - 1
+    else:
+        heads, room = _stream(tokens, layout)
+    sizes = parse_ints(tokens.text, tokens.starts[heads], tokens.ends[heads])
+    bad = (sizes < 1) | (sizes > room)
+    if bad.any():
+        row = int(np.argmax(bad))
+        raise FormatError(
+            f"line {tokens.line(int(heads[row]))}: face {row} declares {sizes[row]} corners, "
+            f"but {room[row]} numbers follow"
+        )
+    group, place = spread(sizes)
+    chosen = heads[group] + 1 + place
+    corners = parse_ints(tokens.text, tokens.starts[chosen], tokens.ends[chosen])
+    return corners, sizes, bool((room > sizes).any())
+
+
+def _stream(tokens: Tokens, layout: _Layout) -> tuple[IntArray, IntArray]:
+    """Return the first token and the corners of each face where faces do not have a line each."""
+    begin, total = layout.first_face, len(tokens.starts)
+    numbers = parse_ints(tokens.text, tokens.starts[begin:], tokens.ends[begin:]).tolist()
+    heads, place = [], 0
+    for row in range(layout.faces):
+        if place >= len(numbers) or not 0 < numbers[place] < len(numbers) - place:
+            where = f"line {tokens.line(min(begin + place, total - 1))}"
+            raise FormatError(f"{where}: face {row} of {layout.faces} is not complete")
+        heads.append(place)
+        place += numbers[place] + 1
+    if place != len(numbers):
+        raise FormatError(
+            f"line {tokens.line(begin + place)}: more follows the {layout.faces} faces declared"
+        )
+    starts = np.array(heads, dtype=np.int64)
+    return starts + begin, np.diff(starts, append=place) - 1
+
+
+def _attributes(data: bytes, polygons: bool, colored: bool) -> Attributes:
+    tokens = tokenise(data, comments=True)
+    layout = _layout(tokens)
+
+    def numbers(place: int, width: int) -> FloatArray:
+        return parse_floats(tokens, layout.column(place, width)).reshape(-1, width)
+
+    after_normals = 3 + 3 * layout.normals
+    other = ["polygons"] * polygons + ["face colours"] * colored
+    return Attributes(
+        normals=numbers(3, 3) if layout.normals else None,
+        texcoords=numbers(after_normals + layout.colors, 2) if layout.texcoords else None,
+        colors=rgba(numbers(after_normals, layout.colors)) if layout.colors else None,
+        other=tuple(other),
+    )

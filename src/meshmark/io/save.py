@@ -1,0 +1,180 @@
+"""From a mesh to files: patched into its document or converted, and moved into place only when complete."""
+
+from __future__ import annotations
+
+import os
+import secrets
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from meshmark.errors import InputError, MeshmarkError, OutputError
+from meshmark.io.document import Attributes
+from meshmark.io.formats import FORMATS, Format, format_of_name
+from meshmark.io.source import SourceFile, gzipped
+from meshmark.mesh import FloatArray, IntArray, Mesh
+
+__all__ = ["WriteReport", "conform", "write_mesh"]
+
+_WORDS = {"normals": "normals", "texcoords": "texture coordinates", "colors": "vertex colours"}
+
+
+@dataclass(frozen=True)
+class WriteReport:
+    """What a save wrote.
+
+    files:   the files, the model first. dropped: names of what the target format could not keep.
+    """
+
+    files: tuple[Path, ...]
+    dropped: tuple[str, ...] = ()
+
+
+def conform(mesh: Mesh, vertices: FloatArray) -> FloatArray:
+    """Return the (n, 3) positions that the mesh's file would hold, after its own precision, for these.
+
+    A mesh made in memory holds any double.
+    """
+    return vertices + 0.0 if mesh.document is None else mesh.document.conform(vertices)
+
+
+def write_mesh(mesh: Mesh, path: str | Path) -> WriteReport:
+    """Write a mesh to `path`: positions patched into the file it came from, or converted to a new one.
+
+    The format is the extension's, or without a known one that of the file read. A patched save changes
+    nothing but positions and copies side files (materials, images) that are not there yet. All files are
+    complete before any is moved into place; on failure none is left.
+    Raises `InputError` where `path` is the file read or one it refers to, or has no known format, and
+    `OutputError` where it cannot be written.
+    """
+    path = Path(path)
+    entry = _format_for(mesh, path)
+    document = mesh.document
+    source = document if isinstance(document, SourceFile) else None
+    target = _checked_target(path, source)
+    copies: dict[str, Path] = {}
+    if document is not None and document.format == entry.name:
+        holder = source or SourceFile(path, document)
+        files, dropped = dict(holder.patched(mesh.vertices, path.name)), ()
+        copies = _side_copies(holder, target.parent)
+    else:
+        files, dropped = _converted(mesh, entry, path.name)
+    main = files.pop(path.name)
+    if source is not None:
+        _check_neighbours(source, files, target)
+    try:
+        files |= {name: origin.read_bytes() for name, origin in copies.items() if name not in files}
+        return WriteReport(_move_into_place({target: main, **_beside(target, files)}), dropped)
+    except OSError as error:
+        raise OutputError(f"cannot write {error.filename or path}: {error.strerror or error}") from None
+
+
+def _format_for(mesh: Mesh, path: Path) -> Format:
+    entry = format_of_name(path)
+    if entry is None and mesh.document is not None:
+        entry = FORMATS[mesh.document.format]
+    if entry is None:
+        known = " ".join(entry.extensions[0] for entry in FORMATS.values())
+        raise InputError(f"{path} has no extension of a known format, expected one of {known}, also .gz")
+    return entry
+
+
+def _checked_target(path: Path, source: SourceFile | None) -> Path:
+    # A link is followed: what it points to is replaced, not the link.
+    try:
+        target = Path(os.path.realpath(path))
+        if target.is_dir():
+            raise OutputError(f"cannot write {path}: it is an existing directory")
+        if target.exists() and not target.is_file():
+            raise OutputError(f"cannot write {path}: it is not an ordinary file")
+        if not target.parent.is_dir():
+            raise OutputError(f"cannot write {path}: the folder {target.parent} does not exist")
+        for other in () if source is None else (source.path, *source.side_files()):
+            if target.exists() and other.exists() and target.samefile(other):
+                raise InputError(f"cannot write {path}: it is the input, or a file that the input refers to")
+    except (OSError, ValueError) as error:
+        if isinstance(error, MeshmarkError):
+            raise
+        raise OutputError(f"cannot write {path}: {error}") from None
+    return target
+
+
+def _check_neighbours(source: SourceFile, files: Mapping[str, bytes], target: Path) -> None:
+    """Refuse to write a second file over one that belongs to the input.
+
+    In the input's own folder, an existing file may be replaced only where its name is OUT's own.
+    """
+    if not target.parent.samefile(source.path.parent):
+        return
+    stem = target.name.split(".")[0]
+    for name in files:
+        if (target.parent / name).exists() and not name.startswith(stem):
+            raise InputError(
+                f"cannot write {target.name} here: it would replace {name}, which {source.path.name} may need; "
+                "choose another folder"
+            )
+
+
+def _side_copies(source: SourceFile, folder: Path) -> dict[str, Path]:
+    home = source.path.parent
+    if folder.samefile(home):
+        return {}
+    names = {os.path.relpath(origin, home): origin for origin in source.side_files()}
+    return {name: origin for name, origin in names.items() if not (folder / name).exists()}
+
+
+def _converted(mesh: Mesh, entry: Format, name: str) -> tuple[dict[str, bytes], tuple[str, ...]]:
+    attributes = Attributes() if mesh.document is None else mesh.document.attributes()
+    lost = [field for field in _WORDS if getattr(attributes, field) is not None and field not in entry.keeps]
+    attributes = replace(attributes, **dict.fromkeys(lost))
+    vertices, faces, attributes = _split_seams(mesh, attributes)
+    packed = name.lower().endswith(".gz")
+    inner = name[:-3] if packed else name
+    files, dropped = entry.convert(vertices, faces, attributes, inner)
+    if packed:
+        files = {name: gzipped(files.pop(inner)), **files}
+    return files, tuple(dict.fromkeys([_WORDS[field] for field in lost] + list(dropped)))
+
+
+def _split_seams(mesh: Mesh, attributes: Attributes) -> tuple[FloatArray, IntArray, Attributes]:
+    """Give each corner with attributes of its own a vertex of its own, where there is any to keep."""
+    if attributes.seams is None:
+        return mesh.vertices, mesh.faces, attributes
+    points, faces = attributes.seams
+    if attributes.normals is None and attributes.texcoords is None:
+        first = np.searchsorted(points, np.arange(len(mesh.vertices)))
+        colors = None if attributes.colors is None else attributes.colors[first]
+        return mesh.vertices, mesh.faces, replace(attributes, colors=colors, seams=None)
+    return mesh.vertices[points], faces, replace(attributes, seams=None)
+
+
+def _beside(target: Path, files: Mapping[str, bytes]) -> dict[Path, bytes]:
+    beside = {}
+    for name, data in files.items():
+        place = target.parent / name
+        if place.is_dir():
+            raise OutputError(f"cannot write {place}: it is an existing directory")
+        place.parent.mkdir(parents=True, exist_ok=True)
+        beside[place] = data
+    return beside
+
+
+def _move_into_place(files: Mapping[Path, bytes]) -> tuple[Path, ...]:
+    """Write every file under a temporary name beside its place, then rename all, the first one last."""
+    temporary: dict[Path, Path] = {}
+    try:
+        for place, data in files.items():
+            spare = place.with_name(f".{place.name[:80]}.{secrets.token_hex(6)}.tmp")
+            temporary[place] = spare
+            with spare.open("xb") as stream:
+                stream.write(data)
+                stream.flush()
+                os.fsync(stream.fileno())
+        for place in reversed(files):
+            temporary[place].replace(place)
+    finally:
+        for spare in temporary.values():
+            spare.unlink(missing_ok=True)
+    return tuple(files)

@@ -1,0 +1,146 @@
+"""From a path to a mesh: the file's bytes, unpacked where gzipped, and the document in them."""
+
+from __future__ import annotations
+
+import io
+import zlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from gzip import BadGzipFile, GzipFile
+from pathlib import Path
+from typing import Any
+
+from meshmark.errors import FormatError, InputError
+from meshmark.io.document import Attributes, Document
+from meshmark.io.formats import detect_format
+from meshmark.mesh import FloatArray, IntArray, Mesh
+
+__all__ = ["SourceFile", "gzipped", "read_mesh"]
+
+_GZIP_MAGIC = b"\x1f\x8b"
+
+# Files beyond this are refused: their arrays would not fit into an ordinary machine's memory.
+_MAX_BYTES = 4 << 30
+# Text of numbers shrinks up to twentyfold; a small file that grows beyond both limits is a trap.
+_MAX_GROWTH = 200
+_ALWAYS_ALLOWED = 64 << 20
+
+
+@dataclass(frozen=True, eq=False)
+class SourceFile:
+    """A document together with the file it was read from; itself a `Document`.
+
+    path: where it was read. packed: the bytes of a gzipped file, plain: what was in it; else None.
+    """
+
+    path: Path
+    document: Document
+    packed: bytes | None = None
+    plain: bytes | None = None
+
+    @property
+    def format(self) -> str:
+        """Return the key of the format in `FORMATS`."""
+        return self.document.format
+
+    @property
+    def vertices(self) -> FloatArray:
+        """Return the (n, 3) positions read."""
+        return self.document.vertices
+
+    @property
+    def faces(self) -> IntArray:
+        """Return the (m, 3) triangles."""
+        return self.document.faces
+
+    def conform(self, vertices: FloatArray) -> FloatArray:
+        """Return the (n, 3) positions that the file would hold for these."""
+        return self.document.conform(vertices)
+
+    def patched(self, vertices: FloatArray, name: str) -> Mapping[str, bytes]:
+        """Return the files to write; the first is gzipped where `name` ends in `.gz`."""
+        inner = name[:-3] if name.lower().endswith(".gz") else name
+        files = dict(self.document.patched(vertices, inner))
+        if inner == name:
+            return files
+        main = files.pop(inner)
+        unchanged = self.packed is not None and main == self.plain
+        return {name: self.packed if unchanged and self.packed else gzipped(main), **files}
+
+    def attributes(self) -> Attributes:
+        """Return what a conversion to another format may keep."""
+        return self.document.attributes()
+
+    def summary(self) -> dict[str, Any]:
+        """Return what `meshmark info` prints beside counts."""
+        return {**self.document.summary(), "gzipped": self.packed is not None}
+
+    def side_files(self) -> tuple[Path, ...]:
+        """Return existing files that the file refers to."""
+        return self.document.side_files()
+
+
+def gzipped(data: bytes) -> bytes:
+    """Return `data` gzipped, without name or time: equal data gives equal bytes."""
+    out = io.BytesIO()
+    with GzipFile(filename="", mode="wb", fileobj=out, mtime=0, compresslevel=6) as packer:
+        packer.write(data)
+    return out.getvalue()
+
+
+def read_mesh(path: str | Path) -> Mesh:
+    """Read a model file of any format in `FORMATS`, gzipped or not, known by content and by extension.
+
+    The mesh keeps the file's document, into which `write_mesh` patches positions.
+    Raises `InputError` for a file that cannot be read, `FormatError` for one that breaks its format;
+    each says in one sentence what was expected.
+    """
+    path = Path(path)
+    raw = _read_bytes(path)
+    try:
+        plain = _unpacked(raw) if raw.startswith(_GZIP_MAGIC) else raw
+        document = detect_format(plain, path).parse(plain, path)
+        packed = plain is not raw
+        source = SourceFile(path, document, raw if packed else None, plain if packed else None)
+        return Mesh(document.vertices, document.faces, source)
+    except (MemoryError, RecursionError):
+        raise InputError(f"{path} is too large or too deeply nested to be read") from None
+    except InputError as error:
+        if path.name in str(error):
+            raise
+        raise type(error)(f"{path}: {error}") from None
+
+
+def _read_bytes(path: Path) -> bytes:
+    try:
+        if path.exists() and not path.is_file():
+            raise InputError(f"{path} is not a file, expected a model file")
+        if path.is_file() and path.stat().st_size > _MAX_BYTES:
+            raise InputError(f"{path} is larger than {_MAX_BYTES >> 30} GB, the most that is read")
+        raw = path.read_bytes()
+    except (OSError, ValueError) as error:
+        if isinstance(error, InputError):
+            raise
+        reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+        raise InputError(f"cannot read {path}: {reason}") from None
+    except MemoryError:
+        raise InputError(f"{path} is too large to be read") from None
+    if not raw:
+        raise FormatError(f"{path} is empty, expected a model file")
+    return raw
+
+
+def _unpacked(raw: bytes) -> bytes:
+    limit = min(max(_ALWAYS_ALLOWED, _MAX_GROWTH * len(raw)), _MAX_BYTES)
+    try:
+        with GzipFile(fileobj=io.BytesIO(raw)) as packed:
+            plain = packed.read(limit + 1)
+    except (BadGzipFile, EOFError, zlib.error) as error:
+        raise FormatError(f"the gzip data is damaged ({error})") from None
+    if len(plain) > limit:
+        raise FormatError(
+            f"the gzip data unpacks to more than {limit >> 20} MB, which no model of its size does"
+        )
+    if not plain:
+        raise FormatError("the gzip data is empty, expected a model file")
+    return plain

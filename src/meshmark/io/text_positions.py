@@ -1,0 +1,111 @@
+"""The coordinates of a text file: read from their tokens, and patched back into them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from meshmark.errors import InputError
+from meshmark.io.number_print import format_numbers, round_numbers
+from meshmark.io.number_style import NumberStyle, detect_style, digits_needed
+from meshmark.io.polygons import spread
+from meshmark.io.text_tokens import ByteArray, Tokens, parse_floats, span_mask
+from meshmark.mesh import FloatArray, IntArray
+
+__all__ = ["Edits", "TextPositions", "merge_edits", "splice", "text_positions"]
+
+# Starts and ends of spans to replace, ascending; the new texts joined; their lengths.
+Edits = tuple[IntArray, IntArray, ByteArray, IntArray]
+
+
+@dataclass(frozen=True, eq=False)
+class TextPositions:
+    """Coordinates that stand as tokens in a text.
+
+    data:         the file.
+    starts, ends: (3n,) byte spans of the coordinates, row by row, ascending.
+    values:       (n, 3) what they say.
+    order:        (3,) the axes in the order in which a row has them.
+    """
+
+    data: bytes
+    starts: IntArray
+    ends: IntArray
+    values: FloatArray
+    style: NumberStyle
+    order: IntArray
+
+    def conform(self, vertices: FloatArray) -> FloatArray:
+        """Return the (n, 3) positions that the file would say for these."""
+        return self._rounded(vertices)[0]
+
+    def patch(self, vertices: FloatArray) -> bytes:
+        """Return the file with the changed coordinates written in its own number style."""
+        return splice(self.data, *self.edits(vertices))
+
+    def edits(self, vertices: FloatArray) -> Edits:
+        """Return which spans to replace, and by what."""
+        rounded, digits = self._rounded(vertices)
+        numbers = rounded[:, self.order].ravel()
+        changed = np.flatnonzero(numbers != self.values[:, self.order].ravel())
+        letters, lengths = format_numbers(self.style, digits, numbers[changed])
+        return self.starts[changed], self.ends[changed], letters, lengths
+
+    def describe(self) -> str:
+        """Return the number style in words."""
+        return self.style.describe()
+
+    def _rounded(self, vertices: FloatArray) -> tuple[FloatArray, int]:
+        if np.shape(vertices) != self.values.shape or not np.isfinite(vertices).all():
+            raise InputError(f"new positions must be finite and of shape {self.values.shape}")
+        kept = vertices == self.values
+        digits = digits_needed(self.style, vertices)
+        while True:
+            rounded = round_numbers(self.style, digits, np.ravel(vertices)).reshape(vertices.shape)
+            rounded = np.where(kept, self.values, rounded)
+            # Rounding may move the extent across a power of ten; the file as written decides, so that
+            # writing what was read back changes nothing.
+            again = digits_needed(self.style, rounded)
+            if again >= digits:
+                return rounded, digits
+            digits = again
+
+
+def text_positions(data: bytes, tokens: Tokens, chosen: IntArray, whole: bool = False) -> TextPositions:
+    """Read the coordinates x, y, z that stand in the chosen tokens, (n, 3), row by row ascending.
+
+    Within a row the order may differ, the same in all rows. whole: the file allows whole numbers only.
+    """
+    order = np.argsort(chosen[0])
+    ranked = chosen[:, order].ravel()
+    values = parse_floats(tokens, ranked)
+    starts, ends = tokens.starts[ranked], tokens.ends[ranked]
+    style = detect_style(tokens.text, starts, ends, values)
+    if whole:
+        style = NumberStyle("whole", 1, 0, 0)
+    back = np.argsort(order)
+    return TextPositions(data, starts, ends, values.reshape(-1, 3)[:, back], style, order)
+
+
+def splice(data: bytes, starts: IntArray, ends: IntArray, letters: ByteArray, lengths: IntArray) -> bytes:
+    """Return `data` with the spans, ascending, replaced by the texts in `letters` of these lengths."""
+    if not len(starts):
+        return data
+    old = np.frombuffer(data, dtype=np.uint8)
+    growth = lengths - (ends - starts)
+    begins = starts + np.cumsum(growth) - growth
+    out = np.empty(len(data) + int(growth.sum()), dtype=np.uint8)
+    fresh = span_mask(len(out), begins, begins + lengths)
+    out[fresh] = letters
+    out[~fresh] = old[~span_mask(len(old), starts, ends)]
+    return out.tobytes()
+
+
+def merge_edits(first: Edits, second: Edits) -> Edits:
+    """Return two sets of edits as one, ascending."""
+    starts, ends, letters, lengths = (np.concatenate(pair) for pair in zip(first, second, strict=True))
+    order = np.argsort(starts, kind="stable")
+    begins = np.cumsum(lengths) - lengths
+    group, place = spread(lengths[order])
+    return starts[order], ends[order], letters[begins[order][group] + place], lengths[order]
