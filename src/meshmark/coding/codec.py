@@ -26,8 +26,8 @@ __all__ = ["CHECK_WORD_LIMIT", "Codec", "Decoded", "log10_chance"]
 
 # Chosen by measurement, docs/decisions/0004-code.md.
 LENGTH = 4096
-CHECKS = 8
-PATHS = 32
+CHECKS = 16
+PATHS = 64
 CHECK_WORD_LIMIT: Final = -32 * log10(2.0)
 
 _NEWTON_STEPS = 20

@@ -1,0 +1,130 @@
+from __future__ import annotations
+
+import hashlib
+from math import comb, log10
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from meshmark.coding.codec import CHECK_WORD_LIMIT, Codec, log10_chance
+from meshmark.coding.keys import Key
+from meshmark.errors import InputError
+
+KEY = Key(bytes(range(32)))
+CODEC = Codec(KEY)
+OTHER = Codec(Key(bytes(32)))
+CODE_DIGEST = "8eb7d7bc1ca2e03886669fbad5ddb5ecf21b45093808c1743214edd679607007"
+IDS = st.integers(0, 2**64 - 1)
+
+
+def observe(identity: int, carriers: int, error: float, rng: np.random.Generator) -> np.ndarray:
+    """Hard observations of random code bits, a share of them wrong."""
+    index = rng.integers(0, CODEC.n, carriers)
+    seen = 1.0 - 2.0 * (CODEC.encode(identity)[index] ^ (rng.random(carriers) < error))
+    return np.bincount(index, seen, CODEC.n)
+
+
+@settings(max_examples=30)
+@given(IDS, st.integers(120, 3000), st.integers(0, 2**32))
+def test_an_id_comes_back_from_clean_carriers(identity: int, carriers: int, seed: int) -> None:
+    decoded = CODEC.decode(observe(identity, carriers, 0.0, np.random.default_rng(seed)))
+    assert decoded.id == identity
+    assert decoded.log10_chance <= CHECK_WORD_LIMIT
+    assert np.array_equal(decoded.bits, CODEC.encode(identity))
+    assert 1 <= decoded.candidates_tested <= 64
+
+
+@pytest.mark.parametrize(("carriers", "error"), [(150, 0.02), (300, 0.10), (1000, 0.25), (3000, 0.35)])
+def test_an_id_comes_back_through_errors(carriers: int, error: float) -> None:
+    rng = np.random.default_rng(carriers)
+    ids = [int(rng.integers(2**63)) for _ in range(50)]
+    found = [CODEC.decode(observe(identity, carriers, error, rng)).id for identity in ids]
+    assert sum(a == b for a, b in zip(ids, found, strict=True)) >= 47
+    assert all(b in (a, None) for a, b in zip(ids, found, strict=True))
+
+
+def test_too_much_noise_gives_none_and_never_a_wrong_id() -> None:
+    rng = np.random.default_rng(7)
+    for carriers, error in [(70, 0.0), (150, 0.12), (400, 0.25), (1000, 0.34)]:
+        for _ in range(50):
+            identity = int(rng.integers(2**63))
+            decoded = CODEC.decode(observe(identity, carriers, error, rng), log10_limit=-6.0)
+            assert decoded.id in (None, identity)
+
+
+def test_a_wrong_key_or_no_mark_never_passes() -> None:
+    rng = np.random.default_rng(8)
+    chances = []
+    for trial in range(300):
+        llr = observe(trial, int(rng.integers(60, 2000)), 0.0, rng)
+        chances.append(OTHER.decode(llr).log10_chance)
+        llr = rng.standard_normal(CODEC.n) * (rng.random(CODEC.n) < 0.1)
+        chances.append(CODEC.decode(llr).log10_chance)
+    assert min(chances) > -3.0
+
+
+def test_nothing_observed_is_no_id() -> None:
+    decoded = CODEC.decode(np.zeros(CODEC.n))
+    assert decoded.id is None
+    assert decoded.log10_chance == 0.0
+
+
+@pytest.mark.parametrize("scale", [1e-9, 0.1, 1e9])
+def test_the_scale_of_the_observations_does_not_matter(scale: float) -> None:
+    llr = observe(99, 200, 0.05, np.random.default_rng(9))
+    one, other = CODEC.decode(llr), CODEC.decode(scale * llr)
+    assert one.id == other.id == 99
+    assert one.log10_chance == pytest.approx(other.log10_chance, rel=1e-6)
+
+
+def test_the_input_is_not_changed() -> None:
+    llr = observe(99, 200, 0.05, np.random.default_rng(9))
+    llr.flags.writeable = False
+    assert CODEC.decode(llr).id == 99
+
+
+def test_other_shapes_and_numbers_are_refused() -> None:
+    for llr in (np.zeros(3), np.zeros((CODEC.n, 1)), np.full(CODEC.n, np.nan), np.full(CODEC.n, np.inf)):
+        with pytest.raises(InputError, match="expected 4096 finite numbers"):
+            CODEC.decode(llr)
+    with pytest.raises(InputError, match="64-bit"):
+        CODEC.encode(2**64)
+
+
+def test_a_message_of_zeros_is_nothing_special() -> None:
+    for identity in (0, 2**64 - 1):
+        word = CODEC.encode(identity)
+        assert abs(word.mean() - 0.5) < 0.04
+        assert abs((word != OTHER.encode(identity)).mean() - 0.5) < 0.04
+
+
+def test_the_code_never_changes() -> None:
+    """A digest recorded when the code was fixed; another value would orphan every mark ever made."""
+    word = CODEC.encode(0x0123456789ABCDEF)
+    assert hashlib.sha256(np.packbits(word).tobytes()).hexdigest() == CODE_DIGEST
+
+
+@pytest.mark.parametrize("carriers", [64, 100, 150, 1000])
+def test_the_bound_holds_and_is_close_for_equal_carriers(carriers: int) -> None:
+    """Against the exact binomial tail times 2^64."""
+    for wrong in range(carriers // 2):
+        tail = sum(comb(carriers, i) for i in range(wrong + 1))
+        exact = min(0.0, log10(tail) - carriers * log10(2.0) + 64 * log10(2.0))
+        bound = log10_chance(np.full(carriers, 0.3), 0.3 * (carriers - 2 * wrong))
+        assert exact - 1e-6 <= bound <= max(exact + 2.5, 0.4 * exact)
+
+
+def test_the_bound_holds_and_is_close_for_unequal_carriers() -> None:
+    """Against the tail of random signs, estimated by sampling under an exponential tilt."""
+    rng = np.random.default_rng(0)
+    llr = rng.exponential(size=200)
+    for tilt in (1.0, 2.0, 4.0):
+        agreement = float(llr @ np.tanh(tilt * llr))
+        signs = np.where(rng.random((20000, 200)) < 1.0 / (1.0 + np.exp(-2.0 * tilt * llr)), 1.0, -1.0)
+        sums = signs @ llr
+        weights = np.exp(-tilt * (sums - agreement)) * (sums >= agreement)
+        log_tail = np.log(np.cosh(tilt * llr)).sum() - tilt * agreement + np.log(weights.mean())
+        exact = min(0.0, float(log_tail / np.log(10.0)) + 64 * log10(2.0))
+        assert exact - 0.05 <= log10_chance(llr, agreement) <= exact + 2.5
