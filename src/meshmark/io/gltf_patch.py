@@ -7,6 +7,7 @@ import json
 import struct
 from collections.abc import Iterator
 from pathlib import PurePosixPath
+from typing import Any
 from urllib.parse import quote
 
 import numpy as np
@@ -93,8 +94,18 @@ def _bounds(container: Container, blob: Bytes) -> Iterator[tuple[_Path, bytes]]:
             if not isinstance(declared, list) or len(declared) != accessor.width:
                 continue
             for axis, (old, new) in enumerate(zip(declared, bound, strict=True)):
-                if not isinstance(old, (int, float)) or np.float64(old).astype(rows.dtype) != new:
+                if not _says(old, new):
                     yield ("accessors", index, key, axis), repr(new.item()).encode()
+
+
+def _says(declared: Any, value: np.number[Any]) -> bool:
+    """Whether a number in the JSON stands for a stored component: floats are read as 32-bit ones."""
+    if not isinstance(declared, (int, float)) or abs(declared) > 1e300:
+        return False
+    if value.dtype.kind != "f":
+        return bool(declared == value.item())
+    with np.errstate(over="ignore"):
+        return bool(np.float64(declared).astype(value.dtype) == value)
 
 
 def _base64(container: Container, segment: Segment, content: bytes) -> dict[_Path, bytes]:
