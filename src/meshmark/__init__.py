@@ -1,0 +1,85 @@
+"""Invisible, key-protected watermarks in the geometry of 3D models.
+
+    import meshmark as mm
+
+    key = mm.Key.generate()
+    marked = mm.embed(mm.read_mesh("hare.ply"), key)
+    mm.write_mesh(marked.mesh, "marked.ply")
+    found = mm.extract(mm.read_mesh("marked.ply"), key)
+
+The names below are the public interface. Each is imported when it is first used.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from meshmark.coding.keys import Key
+    from meshmark.errors import (
+        CapacityError,
+        FormatError,
+        InputError,
+        KeyFileError,
+        MeshmarkError,
+        OutputError,
+    )
+    from meshmark.io import read_mesh, write_mesh
+    from meshmark.mesh import Mesh
+    from meshmark.metrics import METRICS, compare
+    from meshmark.saliency import analyse
+    from meshmark.schemes.ncdg_lv import embed, extract
+    from meshmark.segmentation import segment
+
+__all__ = [
+    "METRICS",
+    "CapacityError",
+    "FormatError",
+    "InputError",
+    "Key",
+    "KeyFileError",
+    "Mesh",
+    "MeshmarkError",
+    "OutputError",
+    "analyse",
+    "compare",
+    "embed",
+    "extract",
+    "read_mesh",
+    "segment",
+    "write_mesh",
+]
+
+__version__ = "0.1.0"
+
+_HOME = {
+    "METRICS": "metrics",
+    "CapacityError": "errors",
+    "FormatError": "errors",
+    "InputError": "errors",
+    "Key": "coding.keys",
+    "KeyFileError": "errors",
+    "Mesh": "mesh",
+    "MeshmarkError": "errors",
+    "OutputError": "errors",
+    "analyse": "saliency",
+    "compare": "metrics",
+    "embed": "schemes.ncdg_lv",
+    "extract": "schemes.ncdg_lv",
+    "read_mesh": "io",
+    "segment": "segmentation",
+    "write_mesh": "io",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module 'meshmark' has no attribute {name!r}")
+    value = getattr(import_module(f"meshmark.{_HOME[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*__all__, "__version__"})

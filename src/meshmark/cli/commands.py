@@ -1,0 +1,28 @@
+"""The table of commands, in the order in which `meshmark --help` lists them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from meshmark.cli.compare import compare
+from meshmark.cli.demo import demo
+from meshmark.cli.embed import embed
+from meshmark.cli.extract import extract
+from meshmark.cli.info import info
+from meshmark.cli.keygen import keygen
+from meshmark.cli.saliency import saliency
+from meshmark.cli.segment import segment
+
+__all__ = ["COMMANDS"]
+
+# A command returns its exit code.
+COMMANDS: dict[str, Callable[..., int]] = {
+    "keygen": keygen,
+    "embed": embed,
+    "extract": extract,
+    "compare": compare,
+    "saliency": saliency,
+    "segment": segment,
+    "info": info,
+    "demo": demo,
+}

@@ -1,0 +1,36 @@
+"""`meshmark info`: what a model file holds."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from meshmark.cli.options import AsJson, ModelIn
+from meshmark.cli.output import answer
+
+__all__ = ["info"]
+
+
+def info(model: ModelIn, as_json: AsJson = False) -> int:
+    """Tell what a model file holds: its format, its counts, its size, and whether it is closed."""
+    from meshmark.io import read_mesh
+    from meshmark.metrics.shape import describe
+
+    mesh = read_mesh(model)
+    held = {} if mesh.document is None else {"format": mesh.document.format, **mesh.document.summary()}
+    fields = {**held, **describe(mesh).to_dict()}
+    width = max(map(len, fields)) + 2
+    rows = (f"{name.replace('_', ' '):<{width}}{_shown(value)}" for name, value in fields.items())
+    answer("\n".join(rows), fields, as_json)
+    return 0
+
+
+def _shown(value: Any) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, int):
+        return f"{value:,}"
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    if isinstance(value, list | tuple):
+        return ", ".join(_shown(entry) for entry in value) or "none"
+    return str(value) if value is not None else "none"

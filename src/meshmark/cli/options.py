@@ -1,0 +1,42 @@
+"""Arguments and options that several commands share."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+__all__ = ["AsJson", "KeyFile", "ModelIn", "ModelOut", "Picture", "Search", "Strength"]
+
+
+class Strength(StrEnum):
+    """How far the mark may move the surface, RMS over the bounding box's diagonal."""
+
+    subtle = "subtle"
+    standard = "standard"
+    strong = "strong"
+
+
+class Search(StrEnum):
+    """How long to look for a mark."""
+
+    quick = "quick"
+    wide = "wide"
+
+
+ModelIn = Annotated[
+    Path, typer.Argument(metavar="IN", help="Model: .off .obj .ply .stl .glb .gltf .3mf, each also .gz.")
+]
+ModelOut = Annotated[
+    Path,
+    typer.Argument(metavar="OUT", help="File to write; in the format of IN unless its name says otherwise."),
+]
+KeyFile = Annotated[
+    Path, typer.Option("--key", metavar="KEYFILE", help="Key file made by `meshmark keygen`.")
+]
+AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object instead of words.")]
+Picture = Annotated[
+    Path | None, typer.Option("--picture", metavar="OUT.png", help="Also draw the model as a PNG picture.")
+]

@@ -1,0 +1,40 @@
+"""What commands print: answers to standard output, everything else to standard error."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Mapping
+from typing import Any
+
+__all__ = ["answer", "percent", "plural", "printable", "say"]
+
+
+def answer(lines: str, fields: Mapping[str, Any], as_json: bool) -> None:
+    """Print the result of a command: as one JSON object, or as plain words."""
+    if as_json:
+        print(json.dumps(fields, allow_nan=False))
+    else:
+        print("\n".join(printable(line) for line in lines.splitlines()))
+
+
+def say(line: str) -> None:
+    """Print a remark, a warning or an error: to standard error, whatever the file names hold."""
+    print(printable(line), file=sys.stderr, flush=True)
+
+
+def printable(text: str) -> str:
+    """Return text in which control characters and undecodable bytes of file names cannot do harm."""
+    shown = "".join(c if c.isprintable() or c == " " else c.encode("unicode_escape").decode() for c in text)
+    return shown.encode("utf-8", "backslashreplace").decode()
+
+
+def percent(share: float) -> str:
+    """Return a share as a percentage with two significant digits: 0.00078 is "0.078 %"."""
+    return f"{100 * share:.2g} %" if share < 0.995 else f"{100 * share:.0f} %"
+
+
+def plural(count: int, noun: str) -> str:
+    """Return "1 vertex"-like text; nouns that take -es or -ices come as "one/many"."""
+    one, _, many = noun.partition("/")
+    return f"{count:,} {one if count == 1 else many or one + 's'}"

@@ -1,0 +1,39 @@
+"""Checks of the files a command is to write, made before any time is spent."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from pathlib import Path
+
+from meshmark.errors import InputError, OutputError
+
+__all__ = ["check_output", "make_folder"]
+
+
+def check_output(path: Path, inputs: Iterable[Path], suffix: str | None = None) -> None:
+    """Raise `OutputError` where `path` cannot be written, or is one of the inputs.
+
+    suffix: the only extension, in lower case, that the file may have; None for any.
+    """
+    if path.is_dir():
+        raise OutputError(f"{path} is a directory, expected the name of a file to write")
+    if path.exists() and not path.is_file():
+        raise OutputError(f"{path} is not an ordinary file, expected the name of a file to write")
+    if suffix is not None and path.suffix.lower() != suffix:
+        raise InputError(f"{path} has the extension '{path.suffix}', expected {suffix}")
+    if not path.parent.is_dir():
+        raise OutputError(f"cannot write {path}: the folder {path.parent} does not exist")
+    if not os.access(path.parent, os.W_OK | os.X_OK):
+        raise OutputError(f"cannot write {path}: no permission to write in the folder {path.parent}")
+    for other in inputs:
+        if path.exists() and other.exists() and path.samefile(other):
+            raise OutputError(f"{path} is also an input, which is never overwritten; expected another name")
+
+
+def make_folder(path: Path) -> None:
+    """Make a folder, and the folders above it; raises `OutputError` where that fails."""
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"cannot make the folder {path}: {error.strerror}") from None

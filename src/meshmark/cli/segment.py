@@ -1,0 +1,35 @@
+"""`meshmark segment`: the map of regions."""
+
+from __future__ import annotations
+
+from meshmark.cli.options import AsJson, ModelIn, Picture
+from meshmark.cli.output import answer, percent, plural
+from meshmark.cli.paths import check_output
+from meshmark.cli.progress import progress
+
+__all__ = ["segment"]
+
+
+def segment(model: ModelIn, picture: Picture = None, as_json: AsJson = False) -> int:
+    """Part a model into regions around its salient points, each with a fair share of top and bottom."""
+    from meshmark.io import read_mesh
+    from meshmark.segmentation import segment as part
+
+    if picture is not None:
+        check_output(picture, [model], ".png")
+    mesh = read_mesh(model)
+    with progress("drawing the map"):
+        result = part(mesh)
+    if picture is not None:
+        from meshmark.report.segmentation import segmentation_picture
+
+        segmentation_picture(mesh, result, picture)
+    fields = result.to_dict()
+    lines = [f"{plural(len(fields['regions']), 'region')}; balance {fields['balance']:.3f} (1 is perfect)"]
+    lines += [
+        f"  {region['id']:>3}  green {percent(region['green_share']):>7}  "
+        f"blue {percent(region['blue_share']):>7}  around vertex {region['salient_vertex']}"
+        for region in fields["regions"]
+    ]
+    answer("\n".join(lines), fields, as_json)
+    return 0
