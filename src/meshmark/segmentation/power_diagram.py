@@ -1,0 +1,142 @@
+"""Balanced power diagrams: semi-discrete optimal transport from a surface to a few seeds.
+
+Point x belongs to the seed s_i with the least |x - s_i|^2 - w_i. The weights w that give every seed the same
+mass minimise a convex function. It is softened by a temperature, solved by damped Newton steps, and the
+temperature lowered until the cells are sharp. Of all partitions into equal masses the result is the most
+compact one: it has the least sum of mass times squared distance to the seed.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from meshmark.mesh import FloatArray, IntArray
+
+__all__ = ["assign", "balanced_weights"]
+
+CONDENSED = 12_000
+"""Above this many points the weights are first solved on groups of neighbouring points."""
+CHUNK = 1 << 15
+"""Points whose distances to all seeds are held in memory at a time."""
+COOLING = 0.3
+NEWTON_STEPS = 8
+POLISHING_STEPS = 12
+FAIR = 1.001
+"""Largest share over mean share at which polishing stops."""
+
+
+def assign(points: FloatArray, seeds: FloatArray, weights: FloatArray) -> IntArray:
+    """Return (p,): for each point the index of the seed whose power cell it lies in."""
+    level = np.einsum("ij,ij->i", seeds, seeds) - weights
+    cells = np.empty(len(points), np.int64)
+    for start in range(0, len(points), CHUNK):
+        part = points[start : start + CHUNK]
+        cells[start : start + CHUNK] = (level - 2.0 * (part @ seeds.T)).argmin(axis=1)
+    return cells
+
+
+def balanced_weights(points: FloatArray, masses: FloatArray, seeds: FloatArray) -> FloatArray:
+    """Return (n,): weights whose power cells over `seeds` (n, 3) share the mass of `points` equally.
+
+    masses: (p,) not negative, with a positive sum. A point is not divided, so the shares are equal up to about
+    the mass of one point for each cell.
+    """
+    masses = masses / masses.sum()
+    size = float(np.ptp(points, axis=0).max()) or 1.0
+    points, seeds = points / size, seeds / size
+    grouped, grouped_masses = _condense(points, masses)
+    weights, stiffness = _anneal(grouped, grouped_masses, seeds)
+    return _polish(points, masses, seeds, weights, stiffness) * size**2
+
+
+def _condense(points: FloatArray, masses: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return centres and masses of the points (extent 1) in each cube of a grid, where there are many."""
+    if len(points) <= CONDENSED:
+        return points, masses
+    low = points.min(axis=0)
+    across = int(np.sqrt(CONDENSED / 3.0))  # a surface meets about 3 across^2 of the cubes
+    cube = ((points - low) * across).astype(np.int64)
+    key = (cube[:, 0] * (across + 1) + cube[:, 1]) * (across + 1) + cube[:, 2]
+    _, group = np.unique(key, return_inverse=True)
+    total = np.bincount(group, weights=masses)
+    sums = [np.bincount(group, weights=masses * axis) for axis in points.T]
+    kept = total > 0.0
+    return np.stack(sums, axis=1)[kept] / total[kept, None], total[kept]
+
+
+def _anneal(points: FloatArray, masses: FloatArray, seeds: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the weights at the lowest temperature and the pseudo-inverse of the Hessian there."""
+    cost = np.einsum("pnk,pnk->pn", gap := points[:, None] - seeds, gap)
+    cost -= cost.min(axis=1, keepdims=True)
+    weights = np.zeros(len(seeds))
+    temperature = float(masses @ cost.mean(axis=1)) or 1.0
+    coldest = temperature * 0.1 / np.sqrt(len(points))  # about the step in cost from one point to the next
+    stiffness = np.zeros((len(seeds), len(seeds)))
+    while True:
+        for _ in range(NEWTON_STEPS):
+            value, excess, stiffness = _dual(cost, masses, weights, temperature)
+            step = stiffness @ excess
+            weights, moved = _line_search(cost, masses, weights, step, temperature, value)
+            if not moved or np.abs(excess).max() * len(seeds) < 1e-3:
+                break
+        if temperature <= coldest:
+            return weights, stiffness
+        temperature = max(temperature * COOLING, coldest)
+
+
+def _soft_value(
+    cost: FloatArray, masses: FloatArray, weights: FloatArray, temperature: float
+) -> tuple[float, FloatArray]:
+    """Return the dual function and the (p, n) shares of each point in each cell at a temperature."""
+    scores = (weights - cost) / temperature
+    top = scores.max(axis=1, keepdims=True)
+    shares = np.exp(scores - top)
+    sums = shares.sum(axis=1, keepdims=True)
+    shares /= sums
+    value = temperature * float(masses @ (top + np.log(sums))[:, 0]) - float(weights.mean())
+    return value, shares
+
+
+def _dual(
+    cost: FloatArray, masses: FloatArray, weights: FloatArray, temperature: float
+) -> tuple[float, FloatArray, FloatArray]:
+    """Return value, gradient (excess of mass in each cell) and pseudo-inverse Hessian of the dual function."""
+    value, shares = _soft_value(cost, masses, weights, temperature)
+    held = masses @ shares
+    hessian = (np.diag(held) - (shares * masses[:, None]).T @ shares) / temperature
+    hessian += np.eye(len(weights)) * max(1e-9, 1e-6 * float(np.trace(hessian)) / len(weights))
+    return value, held - 1.0 / len(weights), np.linalg.inv(hessian)
+
+
+def _line_search(
+    cost: FloatArray,
+    masses: FloatArray,
+    weights: FloatArray,
+    step: FloatArray,
+    temperature: float,
+    value: float,
+) -> tuple[FloatArray, bool]:
+    """Return the weights after the longest of a few halved steps that lowers the dual function."""
+    for halving in range(8):
+        tried = weights - step * 0.5**halving
+        if _soft_value(cost, masses, tried, temperature)[0] < value:
+            return tried, True
+    return weights, False
+
+
+def _polish(
+    points: FloatArray, masses: FloatArray, seeds: FloatArray, weights: FloatArray, stiffness: FloatArray
+) -> FloatArray:
+    """Return the best weights seen while sharp cells of all points are balanced with the last Hessian."""
+    best, best_peak, damping = weights, np.inf, 1.0
+    for _ in range(POLISHING_STEPS):
+        held = np.bincount(assign(points, seeds, weights), weights=masses, minlength=len(seeds))
+        peak = float(held.max()) * len(seeds)
+        if peak < best_peak:
+            best, best_peak, excess = weights, peak, held - 1.0 / len(seeds)
+        else:
+            damping *= 0.5
+        if best_peak <= FAIR:
+            break
+        weights = best - damping * (stiffness @ excess)
+    return best
