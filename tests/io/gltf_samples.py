@@ -56,10 +56,14 @@ class Sample:
         if bounds:
             start = self.tree["bufferViews"][view]["byteOffset"]
             step = len(data) // len(rows)
-            self.positions += [(start + i * step, start + i * step + rows[0].nbytes) for i in range(len(rows))]
+            self.positions += [
+                (start + i * step, start + i * step + rows[0].nbytes) for i in range(len(rows))
+            ]
         return self.accessor(view, rows, code, bounds, **more)
 
-    def accessor(self, view: int | None, rows: Any, code: str = "f4", bounds: bool = False, **more: Any) -> int:
+    def accessor(
+        self, view: int | None, rows: Any, code: str = "f4", bounds: bool = False, **more: Any
+    ) -> int:
         where = {} if view is None else {"bufferView": view}
         limits = {"min": rows.min(axis=0).tolist(), "max": rows.max(axis=0).tolist()} if bounds else {}
         kind = _KINDS[rows.shape[1]]
@@ -96,7 +100,9 @@ class Sample:
         text = self.json(indent)
         text += b" " * (-len(text) % 4)
         data = bytes(self.blob) + b"\0" * (-len(self.blob) % 4)
-        chunks = struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", len(data), b"BIN\0") + data
+        chunks = (
+            struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", len(data), b"BIN\0") + data
+        )
         if extra_chunk:
             chunks += struct.pack("<I4s", 8, b"xTRA") + b"unknown!"
         return b"glTF" + struct.pack("<II", 2, 12 + len(chunks)) + chunks
@@ -189,7 +195,9 @@ def quantised() -> Sample:
 def modes() -> Sample:
     """A strip, a fan, triangles without indices, and points that are no part of the surface."""
     sample = Sample()
-    sample.node(mesh=sample.mesh(sample.array(CUBE, bounds=True), sample.array([0, 1, 2, 3, 6], "u1"), mode=5))
+    sample.node(
+        mesh=sample.mesh(sample.array(CUBE, bounds=True), sample.array([0, 1, 2, 3, 6], "u1"), mode=5)
+    )
     sample.node(mesh=sample.mesh(sample.array(CUBE[:5], bounds=True), mode=6))
     sample.node(mesh=sample.mesh(sample.array(CUBE[CUBE_FACES.ravel()], bounds=True)))
     kept = list(sample.positions)

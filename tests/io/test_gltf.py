@@ -1,4 +1,4 @@
-"""A save of a glTF patches positions and their bounds, and nothing else; what is read back is what was foretold."""
+"""A save of a glTF patches positions and their bounds, nothing else; what is read back was foretold."""
 
 from __future__ import annotations
 
@@ -199,7 +199,7 @@ def test_attributes_for_other_formats(tmp_path: Path) -> None:
 
 
 def test_external_buffer_gets_the_name_of_the_model(tmp_path: Path) -> None:
-    document, data, _ = opened(cube(), "external", tmp_path)
+    document, _, _ = opened(cube(), "external", tmp_path)
     files = document.patched(moved(document), "marked copy.gltf")
     assert list(files) == ["marked copy.gltf", "marked copy.bin"]
     assert json.loads(files["marked copy.gltf"])["buffers"][0]["uri"] == "marked%20copy.bin"

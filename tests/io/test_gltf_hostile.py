@@ -19,9 +19,10 @@ from meshmark.errors import FormatError, InputError
 from meshmark.io.gltf import parse_glb, parse_gltf
 
 HERE = Path("nowhere/model.gltf")
+NUMBERS = [-1, 0, 1, 3, 1.0, 1.5, 5126, 2**31, 2**63, 10**400, 1e308]
+LISTS = [[], [0], [[]], [{}], [None], [1e300] * 3, [2.0] * 16]
 JUNK = st.sampled_from(
-    [None, True, -1, 0, 1, 3, 1.0, 1.5, 5126, 2**31, 2**63, 10**400, 1e308, "", "POSITION", "a.bin", [], [0], [[]]]
-    + [{}, {"bufferView": 0}, [{}], [None], [1e300] * 3, [2.0] * 16, {"a": {}}]
+    [None, True, *NUMBERS, *LISTS, "", "POSITION", "a.bin", {}, {"bufferView": 0}, {"a": {}}]
 )
 
 
@@ -38,8 +39,12 @@ def read_or_refuse(data: bytes, glb: bool) -> None:
         document.patched(document.vertices + 0.01, "out")
         document.attributes()
     except InputError as error:
-        assert str(error)
-        assert "\n" not in str(error)
+        check_sentence(str(error))
+
+
+def check_sentence(message: str) -> None:
+    assert message
+    assert "\n" not in message
 
 
 def paths_in(tree: Any, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
@@ -54,7 +59,7 @@ TREES = {name: json.loads(SAMPLES[name]().embedded()) for name in ("rich", "spar
 PATHS = {name: paths_in(tree) for name, tree in TREES.items()}
 
 
-@settings(max_examples=600, deadline=None)
+@settings(max_examples=250, deadline=None)
 @given(st.data())
 def test_junk_anywhere_in_the_tree(data: st.DataObject) -> None:
     name = data.draw(st.sampled_from(sorted(TREES)))
@@ -73,7 +78,7 @@ def test_junk_anywhere_in_the_tree(data: st.DataObject) -> None:
     read_or_refuse(json.dumps(tree).encode(), False)
 
 
-@settings(max_examples=400, deadline=None)
+@settings(max_examples=150, deadline=None)
 @given(
     edits=st.lists(st.tuples(st.integers(0, 10**6), st.integers(0, 255)), max_size=8),
     cut=st.integers(0, 10**6) | st.none(),
@@ -91,7 +96,15 @@ GLBS = {name: build().glb(indent=None) for name, build in SAMPLES.items()}
 
 def test_deep_and_huge_json() -> None:
     start = b'{"asset":{"version":"2.0"},"extras":'
-    for text in (b"[" * 200_000, b'{"a":' * 100_000, b"9" * 100_000, b"NaN", b"1e999", b'"\xff"', b'{"a":1,"a":2}'):
+    for text in (
+        b"[" * 200_000,
+        b'{"a":' * 100_000,
+        b"9" * 100_000,
+        b"NaN",
+        b"1e999",
+        b'"\xff"',
+        b'{"a":1,"a":2}',
+    ):
         with pytest.raises(FormatError):
             parse_gltf(start + text + b"}", HERE)
 
@@ -126,19 +139,26 @@ def test_each_mistake_is_named() -> None:
     refused(put("nodes", 1, "children", value=[3]), "child twice|a child of", instances)
     refused(put("scenes", 0, "nodes", value=[]), "no triangles")
     compressed = {"KHR_draco_mesh_compression": {"bufferView": 0, "attributes": {}}}
-    refused(put("meshes", 0, "primitives", 0, "extensions", value=compressed), "KHR_draco_mesh_compression.*decompress")
+    refused(
+        put("meshes", 0, "primitives", 0, "extensions", value=compressed),
+        "KHR_draco_mesh_compression.*decompress",
+    )
     packed = {"EXT_meshopt_compression": {"buffer": 0}}
     refused(put("bufferViews", 0, "extensions", value=packed), "EXT_meshopt_compression.*decompress")
 
 
-@pytest.mark.parametrize("uri", ["../up.bin", "/etc/passwd", "http://a/b.bin", "a/../../b", "..%2Fb.bin", "c:\\b", ""])
+@pytest.mark.parametrize(
+    "uri", ["../up.bin", "/etc/passwd", "http://a/b.bin", "a/../../b", "..%2Fb.bin", "c:\\b", ""]
+)
 def test_buffers_outside_the_folder_are_refused(uri: str) -> None:
     with pytest.raises(FormatError, match="not a file inside"):
         parse_gltf(cube().json(uri=uri), HERE)
 
 
 def test_missing_buffer_is_named(tmp_path: Path) -> None:
-    with pytest.raises(FormatError, match="the buffer gone.bin that model.gltf refers to is not beside it"):
+    with pytest.raises(
+        FormatError, match=r"the buffer gone\.bin that model\.gltf refers to is not beside it"
+    ):
         parse_gltf(cube().json(uri="gone.bin"), tmp_path / "model.gltf")
 
 
@@ -189,7 +209,9 @@ print(fine)
 @pytest.mark.shared
 def test_hostile_files_are_read_or_refused(shared_data: Path) -> None:
     kinds = (".glb", ".gltf", ".3mf")
-    paths = [str(path) for path in sorted((shared_data / "hostile").rglob("*")) if path.suffix.lower() in kinds]
+    paths = [
+        str(path) for path in sorted((shared_data / "hostile").rglob("*")) if path.suffix.lower() in kinds
+    ]
     assert len(paths) > 100
     done = subprocess.run(
         [sys.executable, "-c", _PROBE, *paths], capture_output=True, text=True, timeout=120, check=False

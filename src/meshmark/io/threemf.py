@@ -183,7 +183,7 @@ def _showings(package: Package, parts: dict[str, ModelPart], main: str) -> list[
     while stack:
         home, use, above, depth = stack.pop()
         visits += 1
-        name = home if use.path is None else part_name(use.path)
+        name = home if use.path is None else package.member(part_name(use.path)).filename
         part = parts.get(name) or parts.setdefault(name, open_model(name, package.read(name)))
         if use.object_id not in part.components:
             raise FormatError(f"{name} has no object {use.object_id!r}, which {home} refers to")

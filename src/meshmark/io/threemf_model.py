@@ -17,6 +17,11 @@ __all__ = ["MeshText", "ModelPart", "Use", "open_model"]
 
 _CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02 "
 _PATH = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06 path"
+_OBJECT = ("model", "resources", "object")
+_MESH = (*_OBJECT, "mesh")
+_VERTEX, _TRIANGLE = (*_MESH, "vertices", "vertex"), (*_MESH, "triangles", "triangle")
+_COMPONENT, _ITEM = (*_OBJECT, "components", "component"), ("model", "build", "item")
+_DEEPEST = 100
 _MILLIMETRES = {
     "micron": 1e-3,
     "millimeter": 1.0,
@@ -72,42 +77,43 @@ class _Rows:
 
 
 class _Reader:
-    """Takes the parser's events; `stack` holds the tags that are open."""
+    """Takes the parser's events; `path` holds the tags that are open, the root first."""
 
     def __init__(self, name: str, text: bytes, quick: bool) -> None:
         self.part = ModelPart(name, text)
         self.left, self.lists = plain_lists(text) if quick else (text, {})
-        self.stack: list[str] = []
+        self.path: tuple[str, ...] = ()
         self.object_id = ""
         self.rows: dict[str, tuple[FloatArray, IntArray, IntArray]] = {}
         self.open = _Rows()
 
     def start(self, tag: str, attributes: Mapping[str, str], offset: int) -> None:
-        parent, where = self.stack[-1] if self.stack else "", f"{self.part.name}, object {self.object_id}"
+        where, above = f"{self.part.name}, object {self.object_id}", self.path
         tag = tag.removeprefix(_CORE)
-        self.stack.append(tag)
-        if (parent, tag) == ("vertices", "vertex"):
+        self.path = (*above, tag)
+        if len(above) > _DEEPEST:
+            raise FormatError(f"{self.part.name} nests its elements more than {_DEEPEST} deep")
+        if self.path == _VERTEX:
             self.open.values.append([number(attributes, name, where) for name in "xyz"])
             self.open.tags.append(offset)
-        elif (parent, tag) == ("triangles", "triangle"):
+        elif self.path == _TRIANGLE:
             self.open.values.append([whole_number(attributes, name, where) for name in ("v1", "v2", "v3")])
-        elif parent == "mesh" and tag in ("vertices", "triangles"):
+        elif self.path in (_VERTEX[:-1], _TRIANGLE[:-1]):
             if tag in self.rows:
                 raise FormatError(f"{where} has two lists of {tag}")
             self.open = _Rows()
             self._take_plain(tag, offset)
-        elif parent == "":
+        elif not above:
             self._model(tag, attributes)
         else:
-            self._structure(parent, tag, attributes)
+            self._structure(attributes)
 
     def end(self, _: str) -> None:
-        tag = self.stack.pop()
-        parent = self.stack[-1] if self.stack else ""
-        if parent == "mesh" and tag in ("vertices", "triangles") and tag not in self.rows:
-            self.rows[tag] = self._collected()
-        elif (parent, tag) == ("object", "mesh"):
+        if self.path in (_VERTEX[:-1], _TRIANGLE[:-1]) and self.path[-1] not in self.rows:
+            self.rows[self.path[-1]] = self._collected()
+        elif self.path == _MESH:
             self.part.meshes[self.object_id] = self._mesh()
+        self.path = self.path[:-1]
 
     def _model(self, tag: str, attributes: Mapping[str, str]) -> None:
         if tag != "model":
@@ -119,22 +125,22 @@ class _Reader:
             )
         self.part.scale = _MILLIMETRES[self.part.unit]
 
-    def _structure(self, parent: str, tag: str, attributes: Mapping[str, str]) -> None:
-        if (parent, tag) == ("resources", "object"):
+    def _structure(self, attributes: Mapping[str, str]) -> None:
+        if self.path == _OBJECT:
             self.object_id = attributes.get("id", "").strip()
             if not self.object_id or self.object_id in self.part.components:
                 raise FormatError(f"{self.part.name} has an object without an id of its own")
             self.part.components[self.object_id] = []
-        elif (parent, tag) == ("object", "mesh"):
+        elif self.path == _MESH:
             if self.object_id in self.part.meshes:
                 raise FormatError(f"{self.part.name}, object {self.object_id} has two meshes")
             self.rows = {}
-        elif (parent, tag) == ("components", "component"):
+        elif self.path == _COMPONENT:
             self.part.components[self.object_id].append(self._use(attributes))
-        elif (parent, tag) == ("build", "item"):
+        elif self.path == _ITEM:
             self.part.items.append(self._use(attributes))
-        elif tag not in ("resources", "build", "components"):
-            self.part.found.add(tag.rsplit(" ", 1)[-1])
+        else:
+            self.part.found.add(self.path[-1].rsplit(" ", 1)[-1])
 
     def _use(self, attributes: Mapping[str, str]) -> Use:
         words = attributes.get("transform", "1 0 0 0 1 0 0 0 1 0 0 0").split()

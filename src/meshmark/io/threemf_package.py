@@ -69,9 +69,7 @@ class Package:
         if self.has("_rels/.rels"):
             walk_xml(self.read("_rels/.rels"), "_rels/.rels", start, lambda _: None)
         name = part_name(targets[0]) if targets else _USUAL_MODEL
-        if not self.has(name):
-            raise FormatError(f"the 3MF package has no model part {name}")
-        return name
+        return self.member(name).filename
 
     def with_parts(self, contents: Mapping[str, bytes]) -> bytes:
         """Return the package with new contents for some parts, all else byte for byte."""

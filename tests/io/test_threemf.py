@@ -1,0 +1,320 @@
+"""A save of a 3MF package rewrites coordinates in the model's XML; every other byte of the zip stays."""
+
+from __future__ import annotations
+
+import io
+import re
+import struct
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from meshmark.errors import FormatError, InputError
+from meshmark.io.threemf import ThreeMfDocument, parse_3mf
+from meshmark.io.threemf_model import open_model
+
+HERE = Path("model.3mf")
+CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
+PRODUCTION = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06"
+RELS = (
+    '<Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships">'
+    '<Relationship Id="r" Target="/3D/Main.model" '
+    'Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>'
+)
+POINTS = [(0, 0, 0), (10, 0, 0), (0, 20.5, 0), (0, 0, "3.0625e1")]
+TRIANGLES = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
+
+
+def mesh(points: Any = POINTS, extra: str = "", more: str = "") -> str:
+    rows = "\n".join(f' <vertex x="{x}" y="{y}" z="{z}"{more}/>' for x, y, z in points)
+    corners = "".join(f'<triangle v1="{a}" v2="{b}" v3="{c}"{extra}/>' for a, b, c in TRIANGLES)
+    return f"<mesh><vertices>\n{rows}\n</vertices><triangles>{corners}</triangles></mesh>"
+
+
+def model(
+    resources: str, build: str = '<item objectid="1"/>', head: str = "", unit: str = "millimeter"
+) -> str:
+    return (
+        f'<?xml version="1.0" encoding="UTF-8"?>\n<model unit="{unit}" xmlns="{CORE}" xmlns:p="{PRODUCTION}">'
+        f'{head}<metadata name="Title">caf&#233; &lt;vertices&gt;</metadata>'
+        f"<resources>{resources}</resources><build>{build}</build></model>"
+    )
+
+
+def simple(**options: Any) -> str:
+    return model(f'<object id="1" type="model">{mesh(**options)}</object>')
+
+
+def package(main: str, others: dict[str, str] | None = None, method: int = zipfile.ZIP_DEFLATED) -> bytes:
+    """A package with odd members: a comment, extra fields, stored and deflated ones, several dates."""
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w") as archive:
+        archive.comment = b"a comment"
+        members = {"[Content_Types].xml": "<Types/>", "_rels/.rels": RELS, "3D/Main.model": main}
+        members |= {"Metadata/thumbnail.png": "\x89PNG" * 50, **(others or {})}
+        for number, (name, text) in enumerate(members.items()):
+            entry = zipfile.ZipInfo(name, (1990 + number, 2, 3, 4, 5, 6))
+            entry.compress_type = method if number % 2 == 0 else zipfile.ZIP_STORED
+            entry.extra, entry.comment = struct.pack("<HH4s", 0xCAFE, 4, b"more"), b"of a member"
+            archive.writestr(entry, text)
+    return packed.getvalue()
+
+
+def moved(document: ThreeMfDocument) -> Any:
+    size = np.ptp(document.vertices, axis=0).max()
+    return document.vertices + np.random.default_rng(3).normal(size=document.vertices.shape) * size * 1e-3
+
+
+def parts(data: bytes) -> dict[str, bytes]:
+    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+        assert archive.testzip() is None
+        return {name: archive.read(name) for name in archive.namelist()}
+
+
+NUMBER = re.compile(rb'(<(?:\w+:)?vertex\b[^>]*?\s[xyz]\s*=\s*["\'])[^"\']*')
+OTHER = model(f'<object id="7" type="other">{mesh()}</object>', "")
+MODELS = {
+    "simple": (simple(), {}),
+    "comments": (simple().replace("<vertices>", "<!-- <vertices><vertex x='1'/> --><vertices>"), {}),
+    "attribute order": (
+        simple().replace("<vertices>\n <vertex x=", "<vertices>\n <vertex  foo='x=\"9\"' x="),
+        {},
+    ),
+    "extras": (simple(extra=' pid="1" p1="0"', more=' p:tag="x"'), {}),
+    "closing tags": (simple().replace("/>\n", "></vertex>\n"), {}),
+    "single quotes": (simple().replace('"', "'"), {}),
+    "prefix": (
+        re.sub(r"<(/?)(?=\w)", r"<\1c:", simple()).replace("xmlns=", "xmlns:c=").replace("<c:?xml", "<?xml"),
+        {},
+    ),
+    "inches": (simple().replace("millimeter", "inch"), {}),
+    "exponents": (simple(points=[(f"{x:.5e}", f"{y}e0", 1) for x, y, _ in POINTS[:3]] + [(0, 0, "1E2")]), {}),
+    "components": (
+        model(
+            f'<object id="1">{mesh()}</object><object id="2"><components>'
+            '<component objectid="1" transform="0 1 0 -1 0 0 0 0 1 5 6 7"/><component objectid="1"/>'
+            '<component objectid="1" transform="1 0 0 0 1 0 0 0 0 0 0 0"/></components></object>',
+            '<item objectid="2" transform="2 0 0 0 2 0 0 0 2 1 1 1"/><item objectid="1"/>',
+        ),
+        {},
+    ),
+    "parts": (
+        model(
+            f'<object id="1">{mesh()}</object><object id="2"><components>'
+            '<component objectid="7" p:path="/3D/Other.model"/></components></object>',
+            '<item objectid="2"/><item objectid="1"/><item objectid="7" p:path="/3D/other.model"/>',
+        ),
+        {"3D/Other.model": OTHER},
+    ),
+}
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_only_coordinates_change(name: str) -> None:
+    data = package(*MODELS[name])
+    document = parse_3mf(data, HERE)
+    assert document.patched(document.vertices.copy(), "a.3mf")["a.3mf"] == data
+    vertices = moved(document)
+    written = document.patched(vertices, "a.3mf")["a.3mf"]
+    old, new = parts(data), parts(written)
+    assert list(old) == list(new)
+    changed = [part for part in old if old[part] != new[part]]
+    assert changed
+    for part in old:
+        assert NUMBER.sub(rb"\1#", old[part]) == NUMBER.sub(rb"\1#", new[part]) or part in changed
+        assert blanked(old[part]) == blanked(new[part])
+    again = parse_3mf(written, HERE)
+    assert again.vertices.tobytes() == document.conform(vertices).tobytes()
+    assert np.array_equal(again.faces, document.faces)
+
+
+def blanked(text: bytes) -> bytes:
+    """Return XML with the coordinates of vertices replaced by #, tag by tag."""
+    if not text.lstrip().startswith(b"<"):
+        return text
+    tag = re.compile(rb"<(?:\w+:)?vertex\b(?:[^>\"']|\"[^\"]*\"|'[^']*')*>")
+    value = re.compile(rb"(\s[xyz]\s*=\s*)(?:\"[^\"]*\"|'[^']*')")
+    return tag.sub(lambda match: value.sub(rb"\1#", match.group()), text)
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_the_quick_way_reads_what_the_parser_reads(name: str) -> None:
+    for text in (MODELS[name][0], *MODELS[name][1].values()):
+        quick, slow = (open_model("m", text.encode(), quick=flag) for flag in (True, False))
+        assert list(quick.meshes) == list(slow.meshes)
+        for key in quick.meshes:
+            for field in ("vertices", "starts", "ends", "faces"):
+                assert np.array_equal(getattr(quick.meshes[key], field), getattr(slow.meshes[key], field))
+        assert [item.object_id for item in quick.items] == [item.object_id for item in slow.items]
+
+
+def test_records_of_the_zip_file_stay() -> None:
+    data = package(*MODELS["parts"])
+    document = parse_3mf(data, HERE)
+    written = document.patched(moved(document), "a.3mf")["a.3mf"]
+    with zipfile.ZipFile(io.BytesIO(data)) as old, zipfile.ZipFile(io.BytesIO(written)) as new:
+        assert old.comment == new.comment
+        for before, after in zip(old.infolist(), new.infolist(), strict=True):
+            for field in (
+                "filename",
+                "date_time",
+                "compress_type",
+                "comment",
+                "extra",
+                "flag_bits",
+                "create_system",
+            ):
+                assert getattr(before, field) == getattr(after, field)
+            if not before.filename.endswith(".model"):
+                size = 30 + len(before.filename) + len(before.extra) + before.compress_size
+                assert data[before.header_offset :][:size] == written[after.header_offset :][:size]
+
+
+def test_data_descriptors_and_zip64_sizes_are_patched() -> None:
+    class Pipe(io.BytesIO):
+        def seekable(self) -> bool:
+            return False
+
+        def tell(self) -> int:
+            raise OSError
+
+    packed = Pipe()
+    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("_rels/.rels", RELS)
+        with archive.open("3D/Main.model", "w", force_zip64=True) as member:
+            member.write(simple().encode())
+        archive.writestr("last.txt", "end")
+    data = packed.getvalue()
+    document = parse_3mf(data, HERE)
+    written = document.patched(moved(document), "a.3mf")["a.3mf"]
+    assert parts(written)["last.txt"] == b"end"
+    assert parse_3mf(written, HERE).vertices.tobytes() == document.conform(moved(document)).tobytes()
+
+
+def test_transforms_and_units() -> None:
+    points = np.array(POINTS, dtype=float)
+    document = parse_3mf(package(*MODELS["components"]), HERE)
+    turned = points @ [[0, 1, 0], [-1, 0, 0], [0, 0, 1]] + [5, 6, 7]
+    expected = np.concatenate([turned * 2 + 1, points * 2 + 1, points])
+    assert np.allclose(document.vertices, expected)
+    assert len(document.faces) == 12
+    assert np.allclose(parse_3mf(package(*MODELS["inches"]), HERE).vertices, points * 25.4)
+
+
+def test_digits_resolve_the_model_and_keep_the_files_manner() -> None:
+    fixed = [(f"{float(x):.3f}", f"{float(y):.3f}", f"{float(z):.3f}") for x, y, z in POINTS]
+    document = parse_3mf(package(simple(points=fixed)), HERE)
+    vertices = moved(document)
+    vertices[1] = document.vertices[1]
+    diagonal = np.linalg.norm(np.ptp(document.vertices, axis=0))
+    assert np.abs(document.conform(vertices) - vertices).max() <= 0.51e-7 * diagonal
+    text = parts(document.patched(vertices, "a")["a"])["3D/Main.model"]
+    assert b'<vertex x="10.000" y="0.000" z="0.000"/>' in text
+    words = re.findall(rb'[xyz]="([^"]*)"', text)
+    assert {len(word.split(b".")[1]) for word in words[:3]} == {6}
+
+
+def test_an_object_shown_twice_moves_by_the_mean() -> None:
+    document = parse_3mf(
+        package(model(f'<object id="1">{mesh()}</object>', '<item objectid="1"/>' * 2)), HERE
+    )
+    vertices = document.vertices.copy()
+    vertices[2, 1] += 1.0
+    assert np.allclose(document.conform(vertices)[[2, 6], 1], 21.0)
+
+
+def refused(main: str, pattern: str, others: dict[str, str] | None = None) -> None:
+    with pytest.raises(FormatError, match=pattern):
+        parse_3mf(package(main, others), HERE)
+
+
+def test_each_mistake_is_named() -> None:
+    laughs = simple().replace("<model", '<!DOCTYPE m [<!ENTITY a "lol"><!ENTITY b "&a;&a;">]>\n<model', 1)
+    refused(laughs, "document type")
+    refused(simple().replace('x="10"', 'x="nan"'), "x is 'nan'")
+    refused(simple().replace('x="10"', 'x="1e999"'), "finite")
+    refused(simple().replace('x="10"', 'x="1_0"'), "x is '1_0'")
+    refused(simple().replace('x="10"', ""), "x is ''")
+    refused(simple().replace('v1="1"', 'v1="4"'), "triangle 3 .* expected 0 to 3")
+    refused(simple().replace('v1="1"', 'v1="-1"'), "expected an index")
+    refused(simple().replace("</mesh>", ""), "broken XML at line")
+    refused(simple().replace("millimeter", "furlong"), "unit 'furlong'")
+    refused(simple().replace('item objectid="1"', 'item objectid="5"'), "no object '5'")
+    refused(model(f'<object id="1">{mesh()}</object>', ""), "no triangles in any build item")
+    refused(model(f'<object id="1">{mesh()}</object>' * 2), "id of its own")
+    refused(simple().replace("<item ", '<item transform="1 2 3" '), "3 numbers, expected 12")
+    refused("<html/>", "root element")
+    refused(model("<a>" * 5000 + "</a>" * 5000), "more than 100 deep")
+    loop = '<object id="1"><components><component objectid="1"/></components></object>'
+    refused(model(loop), "contain themselves")
+    for data, pattern in ((b"PK\3\4 nothing", "zip"), (package(simple())[:-40], "zip")):
+        with pytest.raises(FormatError, match=pattern):
+            parse_3mf(data, HERE)
+
+
+def test_component_and_zip_bombs_are_bounded() -> None:
+    objects = f'<object id="0">{mesh()}</object>'
+    for level in range(1, 40):
+        pair = f'<component objectid="{level - 1}"/>' * 2
+        objects += f'<object id="{level}"><components>{pair}</components></object>'
+    refused(model(objects, '<item objectid="39"/>'), "more than")
+    refused(simple() + " " * 80_000_000, "no model of its size")
+
+
+def test_positions_that_cannot_be_written() -> None:
+    document = parse_3mf(package(simple()), HERE)
+    with pytest.raises(InputError):
+        document.conform(np.full((4, 3), np.inf))
+    with pytest.raises(InputError):
+        document.patched(document.vertices[1:], "a")
+
+
+DATA = package(*MODELS["parts"], method=zipfile.ZIP_STORED)
+
+
+@settings(max_examples=150, deadline=None)
+@given(
+    edits=st.lists(st.tuples(st.integers(0, 10**6), st.integers(0, 255)), max_size=6),
+    cut=st.integers(0, 10**6) | st.none(),
+)
+def test_changed_and_cut_bytes(edits: list[tuple[int, int]], cut: int | None) -> None:
+    data = bytearray(DATA)
+    for place, value in edits:
+        data[place % len(data)] = value
+    read_or_refuse(bytes(data if cut is None else data[: cut % len(data)]))
+
+
+@settings(max_examples=150, deadline=None)
+@given(
+    edits=st.lists(
+        st.tuples(st.integers(0, 10**6), st.sampled_from(b"<>/\"'= 0-.eE&!?vx")), min_size=1, max_size=4
+    )
+)
+def test_changed_xml(edits: list[tuple[int, int]]) -> None:
+    text = bytearray(MODELS["components"][0].encode())
+    for place, value in edits:
+        text[place % len(text)] = value
+    read_or_refuse(package(text.decode("utf-8", "replace")))
+
+
+def read_or_refuse(data: bytes) -> None:
+    try:
+        document = parse_3mf(data, HERE)
+        assert document.patched(document.vertices, "a")["a"] == data
+        vertices = document.vertices + 0.25
+        written = document.patched(vertices, "a")["a"]
+        assert parse_3mf(written, HERE).vertices.tobytes() == document.conform(vertices).tobytes()
+        document.summary()
+        document.attributes()
+    except InputError as error:
+        check_sentence(str(error))
+
+
+def check_sentence(message: str) -> None:
+    assert message
+    assert "\n" not in message
