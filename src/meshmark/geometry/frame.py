@@ -48,9 +48,14 @@ class Frame:
         return points @ (self.axes.T * self.scale) + self.centre
 
 
-def surface_moments(points: FloatArray, faces: IntArray) -> tuple[float, FloatArray, FloatArray]:
-    """Return area, centroid (3,) and central second moments (3, 3) per unit area, exact for flat triangles."""
-    areas = face_areas(points, faces)
+def surface_moments(
+    points: FloatArray, faces: IntArray, areas: FloatArray | None = None
+) -> tuple[float, FloatArray, FloatArray]:
+    """Return area, centroid (3,) and central second moments (3, 3) per unit area, exact for flat triangles.
+
+    areas: (m,) of the faces, where they are known already.
+    """
+    areas = face_areas(points, faces) if areas is None else areas
     total = float(areas.sum())
     if not total > 0.0:
         raise InputError("the model has no surface: all its faces have zero area")
@@ -69,9 +74,8 @@ def _corner_sum(points: FloatArray, faces: IntArray) -> FloatArray:
     return np.stack([axis.take(corners).sum(axis=0) for axis in np.ascontiguousarray(points.T)])
 
 
-def _third_moments(points: FloatArray, faces: IntArray) -> FloatArray:
+def _third_moments(points: FloatArray, faces: IntArray, areas: FloatArray) -> FloatArray:
     """Return (3,): integrals of x^3, y^3, z^3 over the surface (up to a common factor)."""
-    areas = face_areas(points, faces)
     corners = np.ascontiguousarray(faces.T)
     moments = []
     for axis in np.ascontiguousarray(points.T):
@@ -88,13 +92,14 @@ def canonical_frame(points: FloatArray, faces: IntArray) -> Frame:
     The axes are the eigenvectors of the second moments, the signs those that make the third moments positive;
     of a mirrored triple the axis with the smallest third moment is turned. Raises `InputError` for no surface.
     """
-    area, centre, second = surface_moments(points, faces)
+    areas = face_areas(points, faces)
+    area, centre, second = surface_moments(points, faces, areas)
     values, vectors = np.linalg.eigh(second)
     values, axes = values[::-1], vectors[:, ::-1]
     scale = float(np.sqrt(values.sum()))
     if not scale > 0.0:
         raise InputError("the model has no extent: all its surface lies in one point")
-    third = _third_moments((points - centre) @ (axes / scale), faces)
+    third = _third_moments((points - centre) @ (axes / scale), faces, areas)
     axes = axes * np.where(third < 0.0, -1.0, 1.0)
     if np.linalg.det(axes) < 0.0:
         axes[:, np.argmin(np.abs(third))] *= -1.0

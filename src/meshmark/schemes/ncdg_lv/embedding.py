@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import secrets
 from bisect import bisect_left
-from collections.abc import Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from math import log10
 from time import perf_counter
@@ -13,8 +13,9 @@ import numpy as np
 
 from meshmark.coding.codec import Codec
 from meshmark.coding.keys import Key
+from meshmark.coding.polar import Bits
 from meshmark.errors import CapacityError, InputError
-from meshmark.geometry.frame import canonical_frame
+from meshmark.geometry.frame import Frame, canonical_frame
 from meshmark.geometry.weld import Welded, weld
 from meshmark.io.save import conform
 from meshmark.mesh import FloatArray, Mesh
@@ -60,12 +61,19 @@ def embed(
     diagonal = float(np.linalg.norm(np.ptp(mesh.vertices, axis=0)))
     surface = weld(mesh)
     frame = canonical_frame(surface.points, surface.faces)
-    shapings = [Shaping(surface, frame, key, spacing, bits) for spacing in preferred_spacings(frame.area)]
-    for shaping in _by_promise(shapings):
-        attempt = _largest_step(mesh, surface, key, identity, shaping, BUDGETS[strength] * diagonal)
+    most = 0
+    for shaping in _shapings(surface, frame, key, bits):
+        carriers = shaping.carriers if shaping.capacity >= CARRIER_MINIMUM else shaping.capacity
+        most = max(most, carriers)
+        if carriers < CARRIER_MINIMUM:
+            continue
+        likeliest = shaping.spacing == preferred_spacings(frame.area)[0]
+        attempt = _largest_step(
+            mesh, surface, key, identity, shaping, BUDGETS[strength] * diagonal, likeliest
+        )
         if attempt is not None:
             return _finish(mesh, attempt, identity, layers, diagonal, perf_counter() - start)
-    raise CapacityError(_advice(max(shaping.capacity for shaping in shapings), len(surface.points), strength))
+    raise CapacityError(_advice(most, len(surface.points), strength))
 
 
 def _check(identity: int, strength: str, layers: str) -> None:
@@ -77,17 +85,25 @@ def _check(identity: int, strength: str, layers: str) -> None:
         raise InputError(f"layers '{layers}' are not available, expected ownership")
 
 
-def _by_promise(shapings: Sequence[Shaping]) -> list[Shaping]:
-    """Spacings with carriers enough in their order, then the others that may do, most carriers first."""
-    enough = [shaping for shaping in shapings if shaping.capacity >= CARRIER_ENOUGH]
-    scarce = [shaping for shaping in shapings if CARRIER_MINIMUM <= shaping.capacity < CARRIER_ENOUGH]
-    return enough + sorted(scarce, key=lambda shaping: -shaping.capacity)
+def _shapings(surface: Welded, frame: Frame, key: Key, bits: Bits) -> Iterator[Shaping]:
+    """Yield spacings with carriers enough in their order, then the others that may do, most carriers first."""
+    scarce = []
+    for spacing in preferred_spacings(frame.area):
+        shaping = Shaping(surface, frame, key, spacing, bits)
+        if shaping.capacity >= CARRIER_ENOUGH:
+            yield shaping
+        else:
+            scarce.append(shaping)
+    yield from sorted(scarce, key=lambda shaping: -shaping.capacity)
 
 
 def _largest_step(
-    mesh: Mesh, surface: Welded, key: Key, identity: int, shaping: Shaping, budget: float
+    mesh: Mesh, surface: Welded, key: Key, identity: int, shaping: Shaping, budget: float, likeliest: bool
 ) -> _Attempt | None:
-    """Return the mark of largest step within the budget that is read back, or None."""
+    """Return the mark of largest step within the budget that is read back, or None.
+
+    likeliest: the spacing is the first that an extraction reads, so reading it alone is all it would do.
+    """
     copies = np.bincount(surface.point_of_vertex, minlength=len(surface.points))
     share = np.sqrt(copies / copies.sum())
 
@@ -105,7 +121,9 @@ def _largest_step(
         rms = _rms(marked.vertices - mesh.vertices)
         if rms > budget:
             continue
-        found = extract(marked, key)
+        found = extract(marked, key, [shaping.spacing])  # fails sooner than all spacings would
+        if found.id == identity and not likeliest:
+            found = extract(marked, key)
         if found.id == identity:
             return _Attempt(marked, rms, found)
     return None

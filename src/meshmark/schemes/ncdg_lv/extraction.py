@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from math import log10
 from time import perf_counter
@@ -20,8 +21,10 @@ from meshmark.schemes.ncdg_lv.results import Extraction
 __all__ = ["extract"]
 
 
-def extract(mesh: Mesh, key: Key) -> Extraction:
+def extract(mesh: Mesh, key: Key, spacings: Sequence[float] | None = None) -> Extraction:
     """Read the id from `mesh` with `key` alone.
+
+    spacings: lattice spacings to read; by default all that an embedding may have chosen.
 
     Hypotheses are scored by their lock, which does not depend on the message; those that stand out are decoded.
     The false-positive bound is the chance of the lock times that of the decoded word, times the hypotheses.
@@ -30,7 +33,7 @@ def extract(mesh: Mesh, key: Key) -> Extraction:
     start = perf_counter()
     codec = Codec(key)
     best: Reading | None = None
-    for reading in readings(weld(mesh), key, codec.n):
+    for reading in readings(weld(mesh), key, codec.n, spacings):
         if best is None or reading.log10_chance < best.log10_chance:
             best = reading
         if reading.log10_chance > DECODE_LOG10:

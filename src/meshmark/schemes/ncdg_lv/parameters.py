@@ -50,7 +50,7 @@ SPACING_ORDER: Final = (0, 1, 2, 3, -1, 4, 5, -2)
 STEPS: Final = 0.24 * 2.0 ** (-np.arange(25) / 4.0)
 
 # So many steps are tried from the largest affordable one down.
-STEP_TRIES: Final = 6
+STEP_TRIES: Final = 4
 
 # A sample of the surface is no longer than this share of a spacing (quadrature error below 0.003 spacings).
 LONGEST_SAMPLE: Final = 0.25

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -43,12 +43,17 @@ class Reading:
     hypotheses: int
 
 
-def readings(surface: Welded, key: Key, code_length: int) -> Iterator[Reading]:
-    """Yield a reading for each spacing and frame alternative with enough cells, likeliest first."""
+def readings(
+    surface: Welded, key: Key, code_length: int, spacings: Sequence[float] | None = None
+) -> Iterator[Reading]:
+    """Yield a reading for each spacing and frame alternative with enough cells, likeliest first.
+
+    spacings: those to read; by default all that an embedding may have chosen.
+    """
     frame = canonical_frame(surface.points, surface.faces)
     canonical = frame.to_canonical(surface.points)
     tried = 0
-    for spacing in preferred_spacings(frame.area):
+    for spacing in spacings or preferred_spacings(frame.area):
         lattice = Lattice.keyed(key, spacing)
         samples = plan_samples(canonical, surface.faces, LONGEST_SAMPLE * spacing)(canonical)
         for other in frame_alternatives(frame):

@@ -37,11 +37,11 @@ __all__ = ["Shaping"]
 class Shaping:
     """One surface, lattice and word of code bits.
 
-    capacity: how many cells an extraction of the unmarked surface would read.
+    capacity: how many cells an extraction of the unmarked surface would read; cheap, where `carriers` is not.
     """
 
     def __init__(self, surface: Welded, frame: Frame, key: Key, spacing: float, bits: Bits) -> None:
-        self._surface, self._frame, self._bits = surface, frame, bits
+        self._surface, self._frame, self._bits, self.spacing = surface, frame, bits, spacing
         self._lattice = Lattice.keyed(key, spacing)
         self._placed = self._lattice.coordinates(frame.to_canonical(surface.points))
         self._sampler = plan_samples(self._placed, surface.faces, LONGEST_SAMPLE)
@@ -49,6 +49,11 @@ class Shaping:
         cells = measure_cells(self._samples)
         self.capacity = len(select_cells(cells, EXTRACT_SELECTION))
         self._candidates = cells.take(select_cells(cells, EMBED_SELECTION))
+
+    @property
+    def carriers(self) -> int:
+        """How many of the cells can be set, given how many vertices there are to move."""
+        return min(self.capacity, len(self._cells.nodes))
 
     def displacement(self, step: float) -> FloatArray:
         """Return (p,): first-order lengths along the point normals, scene units, for this step in spacings."""
