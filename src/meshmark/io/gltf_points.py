@@ -61,8 +61,8 @@ class Points:
     def _stored(self, values: FloatArray, moved: NDArray[np.bool_], blob: Bytes | None) -> FloatArray:
         if (moved & (self.address < 0)).any():
             raise InputError(
-                "a position to be moved is stored as an implied zero of a sparse accessor without a "
-                "bufferView: export the model with plain accessors first"
+                "a position to be moved is an implied zero of an accessor without a bufferView: export the "
+                "model with plain accessors first"
             )
         result = self.values.copy()
         for kind, members in self.groups:
