@@ -1,0 +1,1 @@
+"""Makes the hare that `meshmark demo` marks; `python tools/make_demo_model.py` runs it."""
