@@ -47,13 +47,19 @@ class Document(Protocol):
     """
 
     @property
-    def format(self) -> str: ...
+    def format(self) -> str:
+        """Return the key in `FORMATS`."""
+        ...
 
     @property
-    def vertices(self) -> FloatArray: ...
+    def vertices(self) -> FloatArray:
+        """Return the (n, 3) positions read."""
+        ...
 
     @property
-    def faces(self) -> IntArray: ...
+    def faces(self) -> IntArray:
+        """Return the (m, 3) triangles."""
+        ...
 
     def conform(self, vertices: FloatArray) -> FloatArray:
         """Return the (n, 3) positions that the file would hold, after its own precision, for these."""

@@ -9,6 +9,14 @@ from pathlib import Path
 
 from meshmark.errors import InputError
 from meshmark.io.document import Attributes, Document
+from meshmark.io.obj import parse_obj
+from meshmark.io.obj_new import convert_obj
+from meshmark.io.off import parse_off
+from meshmark.io.off_new import convert_off
+from meshmark.io.ply import parse_ply
+from meshmark.io.ply_new import convert_ply
+from meshmark.io.stl import parse_stl
+from meshmark.io.stl_new import convert_stl
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["FORMATS", "Format", "detect_format", "format_of_name"]
@@ -26,6 +34,7 @@ _SOLID = re.compile(rb"(?:\xef\xbb\xbf)?\s*solid\b", re.IGNORECASE)
 _FACET = re.compile(rb"[\r\n][ \t]*(?:facet|endsolid)\b", re.IGNORECASE)
 _OBJ = re.compile(rb"(?:^|[\r\n])[ \t]*v[ \t]+[-+.0-9]")
 _JSON = re.compile(rb"(?:\xef\xbb\xbf)?\s*\{")
+_GLB, _ZIP = re.compile(rb"glTF"), re.compile(rb"PK\x03\x04")
 
 
 @dataclass(frozen=True)
@@ -47,87 +56,22 @@ class Format:
     keeps: frozenset[str]
 
 
-def _looks_like_off(head: bytes, size: int) -> bool:
-    return _OFF.match(head) is not None
+def _matches(pattern: re.Pattern[bytes]) -> Callable[[bytes, int], bool]:
+    return lambda head, _size: pattern.match(head) is not None
 
 
-def _looks_like_obj(head: bytes, size: int) -> bool:
+def _looks_like_obj(head: bytes, _size: int) -> bool:
     return _OBJ.search(head) is not None and b"\0" not in head
-
-
-def _looks_like_ply(head: bytes, size: int) -> bool:
-    return _PLY.match(head) is not None
 
 
 def _looks_like_stl(head: bytes, size: int) -> bool:
     # A binary STL has no magic: its length must agree with its count of 50-byte facets.
     facets = int.from_bytes(head[80:84], "little") if size >= 84 else 0
-    return (facets > 0 and size == 84 + 50 * facets) or (
-        _SOLID.match(head) is not None and _FACET.search(head) is not None
-    )
+    text = _SOLID.match(head) is not None and _FACET.search(head) is not None
+    return text or (facets > 0 and size == 84 + 50 * facets)
 
 
-def _looks_like_glb(head: bytes, size: int) -> bool:
-    return head.startswith(b"glTF")
-
-
-def _looks_like_gltf(head: bytes, size: int) -> bool:
-    return _JSON.match(head) is not None
-
-
-def _looks_like_3mf(head: bytes, size: int) -> bool:
-    return head.startswith(b"PK\x03\x04")
-
-
-# The modules are imported when a format is first used: a program that reads OFF never loads XML or JSON.
-def _parse_off(data: bytes, path: Path) -> Document:
-    from meshmark.io.off import parse_off
-
-    return parse_off(data, path)
-
-
-def _convert_off(vertices: FloatArray, faces: IntArray, attributes: Attributes, name: str) -> Converted:
-    from meshmark.io.off_new import convert_off
-
-    return convert_off(vertices, faces, attributes, name)
-
-
-def _parse_obj(data: bytes, path: Path) -> Document:
-    from meshmark.io.obj import parse_obj
-
-    return parse_obj(data, path)
-
-
-def _convert_obj(vertices: FloatArray, faces: IntArray, attributes: Attributes, name: str) -> Converted:
-    from meshmark.io.obj_new import convert_obj
-
-    return convert_obj(vertices, faces, attributes, name)
-
-
-def _parse_ply(data: bytes, path: Path) -> Document:
-    from meshmark.io.ply import parse_ply
-
-    return parse_ply(data, path)
-
-
-def _convert_ply(vertices: FloatArray, faces: IntArray, attributes: Attributes, name: str) -> Converted:
-    from meshmark.io.ply_new import convert_ply
-
-    return convert_ply(vertices, faces, attributes, name)
-
-
-def _parse_stl(data: bytes, path: Path) -> Document:
-    from meshmark.io.stl import parse_stl
-
-    return parse_stl(data, path)
-
-
-def _convert_stl(vertices: FloatArray, faces: IntArray, attributes: Attributes, name: str) -> Converted:
-    from meshmark.io.stl_new import convert_stl
-
-    return convert_stl(vertices, faces, attributes, name)
-
-
+# XML, archives and web addresses are slow to import: these modules wait until their format is used.
 def _parse_glb(data: bytes, path: Path) -> Document:
     from meshmark.io.gltf import parse_glb
 
@@ -170,13 +114,13 @@ _ALL = frozenset({"normals", "texcoords", "colors"})
 FORMATS: dict[str, Format] = {
     entry.name: entry
     for entry in (
-        Format("glb", (".glb",), _looks_like_glb, _parse_glb, _convert_glb, _ALL),
-        Format("3mf", (".3mf",), _looks_like_3mf, _parse_3mf, _convert_3mf, frozenset()),
-        Format("ply", (".ply",), _looks_like_ply, _parse_ply, _convert_ply, _ALL),
-        Format("off", (".off",), _looks_like_off, _parse_off, _convert_off, _ALL),
-        Format("gltf", (".gltf",), _looks_like_gltf, _parse_gltf, _convert_gltf, _ALL),
-        Format("stl", (".stl",), _looks_like_stl, _parse_stl, _convert_stl, frozenset()),
-        Format("obj", (".obj",), _looks_like_obj, _parse_obj, _convert_obj, _ALL),
+        Format("glb", (".glb",), _matches(_GLB), _parse_glb, _convert_glb, _ALL),
+        Format("3mf", (".3mf",), _matches(_ZIP), _parse_3mf, _convert_3mf, frozenset()),
+        Format("ply", (".ply",), _matches(_PLY), parse_ply, convert_ply, _ALL),
+        Format("off", (".off",), _matches(_OFF), parse_off, convert_off, _ALL),
+        Format("gltf", (".gltf",), _matches(_JSON), _parse_gltf, _convert_gltf, _ALL),
+        Format("stl", (".stl",), _looks_like_stl, parse_stl, convert_stl, frozenset()),
+        Format("obj", (".obj",), _looks_like_obj, parse_obj, convert_obj, _ALL),
     )
 }
 

@@ -14,7 +14,7 @@ __all__ = ["index_lines", "number_lines"]
 
 
 def number_lines(head: str, columns: Sequence[NDArray[Any]]) -> str:
-    """Return one line per row of the (n, k) arrays, side by side: the shortest digits that tell each number."""
+    """Return one line per row of the (n, k) arrays, side by side, in the shortest digits that tell them."""
     words = [list(map(repr, column.ravel().tolist())) for column in columns]
     width = [column.shape[1] for column in columns]
     lanes = [part[k::size] for part, size in zip(words, width, strict=True) for k in range(size)]

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshmark.io.number_style import NumberStyle, magnitude
-from meshmark.io.text_tokens import ByteArray
+from meshmark.io.text_numbers import ByteArray
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["format_numbers", "round_numbers"]
@@ -76,7 +76,7 @@ def _countable(places: IntArray, values: FloatArray) -> NDArray[np.bool_]:
     """Return which numbers are a count of units of a decimal place, without exponent, in 50 bits."""
     size = np.abs(values)
     fits = (places >= 0) & (places < len(_TENS)) & (size < _EXACT)
-    return fits & (np.where(fits, size, 0) * _TENS[np.where(fits, places, 0)] < _EXACT)
+    return np.asarray(fits & (np.where(fits, size, 0) * _TENS[np.where(fits, places, 0)] < _EXACT))
 
 
 def _words(style: NumberStyle, digits: int, values: FloatArray, places: IntArray) -> list[str]:

@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from meshmark.io.text_tokens import ByteArray, compact
+from meshmark.io.text_numbers import ByteArray, compact
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["ALL_DIGITS", "NumberStyle", "detect_style", "digits_needed", "magnitude"]
@@ -91,8 +91,9 @@ def magnitude(size: FloatArray) -> IntArray:
 def digits_needed(style: NumberStyle, vertices: FloatArray, resolution: float = _RESOLUTION) -> int:
     """Return the digits with which `style` writes these (n, 3) positions.
 
-    They resolve `resolution` times the bounding-box diagonal and are never fewer than the file's own: decimals for
-    kinds fixed and positional, decimals of the mantissa for exponent, significant digits for general.
+    They resolve `resolution` times the bounding-box diagonal and are never fewer than the file's
+    own: decimals for kinds fixed and positional, decimals of the mantissa for exponent, significant
+    digits for general.
     """
     own = {"general": style.significant, "positional": style.least}.get(style.kind, style.decimals)
     own = min(own, ALL_DIGITS) if style.kind == "exponent" else own

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 from meshmark.errors import FormatError
 from meshmark.io.colors import rgba
 from meshmark.io.document import Attributes
-from meshmark.io.obj_lines import ObjLines, obj_lines
+from meshmark.io.obj_lines import Rows, corner_indices, obj_lines
 from meshmark.io.polygons import fan_corners
-from meshmark.io.text_tokens import parse_floats
+from meshmark.io.text_numbers import parse_floats
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["obj_attributes"]
@@ -36,49 +36,48 @@ def obj_attributes(data: bytes) -> Attributes:
     Where corners of one vertex differ (texture seams), the arrays are per distinct corner, with `seams`.
     Raises `FormatError` for numbers or indices that cannot be read.
     """
-    lines = obj_lines(data)
-    points, polygons = np.flatnonzero(lines.keyword(b"v")), np.flatnonzero(lines.keyword(b"f"))
-    sizes = lines.counts[polygons]
-    other = [name for word, name in _ELSEWHERE.items() if lines.keyword(word).any()]
-    other += ["polygons"] * bool((sizes > 3).any())
-    corners = np.empty((int(sizes.sum()), 3), dtype=np.int64)
-    corners[:, 0] = lines.indices(0, polygons, points)
+    lines = obj_lines(data, (b"v", b"vt", b"vn", b"f"), _ELSEWHERE)
+    points, polygons = lines.rows[b"v"], lines.rows[b"f"]
+    other = [name for word, name in _ELSEWHERE.items() if lines.census[word]]
+    other += ["polygons"] * bool((polygons.counts > 3).any())
+    corners = np.full((int(polygons.counts.sum()), 3), -1, dtype=np.int64)
+    corners[:, 0] = corner_indices(polygons, 0, points)
     tables = []
     for field, (word, width, name) in enumerate(
         ((b"vt", 2, "texture coordinates"), (b"vn", 3, "normals")), 1
     ):
-        defined = np.flatnonzero(lines.keyword(word))
-        corners[:, field] = lines.indices(field, polygons, defined)
-        table = _table(lines, defined, width, word.decode())
-        if table is not None and (corners[:, field] < 0).any():
-            other += [f"{name} of some faces"] if (corners[:, field] >= 0).any() else [f"unused {name}"]
-            table = None
-        if table is None:
-            corners[:, field] = -1
+        table = _table(lines.rows[word], width, word.decode())
+        if table is not None:
+            indices = corner_indices(polygons, field, lines.rows[word])
+            if (indices < 0).any():
+                other += [f"{name} of some faces"] if (indices >= 0).any() else [f"unused {name}"]
+                table = None
+            else:
+                corners[:, field] = indices
         tables.append(table)
-    colors = _colors(lines, points)
-    other += ["vertex colours of some vertices"] * bool(colors is None and (lines.counts[points] >= 6).any())
-    return _aligned(corners, fan_corners(sizes), len(points), tables, colors, tuple(dict.fromkeys(other)))
+    colors = _colors(points)
+    other += ["vertex colours of some vertices"] * bool(colors is None and (points.counts >= 6).any())
+    triangles = fan_corners(polygons.counts)
+    return _aligned(corners, triangles, len(points), tables, colors, tuple(dict.fromkeys(other)))
 
 
-def _table(lines: ObjLines, defined: IntArray, width: int, name: str) -> FloatArray | None:
-    if not len(defined):
+def _table(rows: Rows, width: int, name: str) -> FloatArray | None:
+    if not len(rows):
         return None
     # A texture coordinate may have one number only: its second is zero.
-    if width == 2 and (lines.counts[defined] == 1).all():
-        first = parse_floats(lines.tokens, lines.columns(defined, 1, name))
-        return np.stack([first, np.zeros_like(first)], axis=1)
-    return parse_floats(lines.tokens, lines.columns(defined, width, name)).reshape(-1, width)
+    single = width == 2 and bool((rows.counts == 1).all())
+    starts, ends = rows.columns(0, 1 if single else width, name)
+    numbers = parse_floats(rows.text, starts.ravel(), ends.ravel()).reshape(len(rows), -1)
+    return np.pad(numbers, ((0, 0), (0, 1))) if single else numbers
 
 
-def _colors(lines: ObjLines, points: IntArray) -> NDArray[np.uint8] | None:
-    counts = lines.counts[points]
+def _colors(points: Rows) -> NDArray[np.uint8] | None:
+    counts = points.counts
     if not (counts == counts[0]).all() or counts[0] not in (6, 7):
         return None
-    width = int(counts[0]) - 3
-    chosen = lines.heads[points][:, None] + 4 + np.arange(width)
+    starts, ends = points.columns(3, int(counts[0]) - 3, "v")
     try:
-        return rgba(parse_floats(lines.tokens, chosen.ravel()).reshape(-1, width))
+        return rgba(parse_floats(points.text, starts.ravel(), ends.ravel()).reshape(len(points), -1))
     except FormatError:
         return None
 

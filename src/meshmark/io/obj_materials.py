@@ -3,38 +3,38 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path, PurePosixPath
+
+from meshmark.io.obj_lines import Rows
 
 __all__ = ["material_files"]
 
-_MTLLIB = re.compile(rb"(?:^|[\r\n])[ \t]*mtllib[ \t]+([^\r\n]+)")
-_IMAGE = re.compile(
-    rb"(?:^|[\r\n])[ \t]*(?:map_\w+|bump|disp|decal|refl|norm)[ \t]+([^\r\n]+)", re.IGNORECASE
-)
+_IMAGE = re.compile(rb"[ \t]*(?:map_\w+|bump|disp|decal|refl|norm)[ \t]+(.+)", re.IGNORECASE)
 # A material library is text of a few kilobytes; what is larger is none.
 _MAX_LIBRARY = 16 << 20
 
 
-def material_files(data: bytes, path: Path) -> tuple[Path, ...]:
-    """Return the existing material libraries of an OBJ file at `path`, and the images they name.
+def material_files(libraries: Rows, path: Path) -> tuple[Path, ...]:
+    """Return the existing libraries that `mtllib` lines of an OBJ file at `path` name, and their images.
 
     Only files inside the model's folder count: a model must not make a save copy other files.
     """
     found: dict[Path, None] = {}
-    for library in _named(_MTLLIB, data, path.parent):
+    for library in _named(libraries.texts(), path.parent):
         found[library] = None
         if library.stat().st_size <= _MAX_LIBRARY:
             try:
                 content = library.read_bytes()
             except OSError:
                 continue
-            found |= dict.fromkeys(_named(_IMAGE, content, library.parent))
+            images = [line[1] for line in map(_IMAGE.match, content.splitlines()) if line]
+            found |= dict.fromkeys(_named(images, library.parent))
     return tuple(origin for origin in found if origin != path)
 
 
-def _named(pattern: re.Pattern[bytes], data: bytes, folder: Path) -> Iterator[Path]:
-    for line in pattern.findall(data):
+def _named(lines: Iterable[bytes], folder: Path) -> Iterator[Path]:
+    for line in lines:
         words = line.decode("utf-8", "replace").split("#")[0].strip()
         # The name may have spaces, or options and other names before it.
         parts = words.split()

@@ -13,9 +13,10 @@ from meshmark.errors import FormatError
 from meshmark.io.colors import rgba
 from meshmark.io.document import Attributes
 from meshmark.io.patch_document import PatchDocument, patch_document
-from meshmark.io.polygons import check_indices, fan_corners, spread
+from meshmark.io.polygons import fan_corners, spread
+from meshmark.io.text_numbers import parse_floats, parse_ints
 from meshmark.io.text_positions import text_positions
-from meshmark.io.text_tokens import Tokens, parse_floats, parse_ints, tokenise
+from meshmark.io.text_tokens import Tokens, tokenise
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["parse_off"]
@@ -47,13 +48,13 @@ class _Layout:
         return (rows[:, None] + place + np.arange(width)).ravel()
 
 
-def parse_off(data: bytes, path: Path) -> PatchDocument:
+def parse_off(data: bytes, _path: Path) -> PatchDocument:
     """Read an OFF file. Raises `FormatError` where it breaks the format."""
     tokens = tokenise(data, comments=True)
     layout = _layout(tokens)
-    positions = text_positions(data, tokens, layout.column(0, 3).reshape(-1, 3))
+    chosen = layout.column(0, 3).reshape(-1, 3)
+    positions = text_positions(data, tokens.starts[chosen], tokens.ends[chosen])
     corners, sizes, colored = _faces(tokens, layout)
-    check_indices(corners, layout.vertices)
     faces = corners[fan_corners(sizes)]
     polygons = bool((sizes > 3).any())
     facts = {"encoding": "text", "variant": layout.magic, "polygons": polygons, "face_colors": colored}
@@ -76,7 +77,7 @@ def _layout(tokens: Tokens) -> _Layout:
     if "C" in magic:
         # Geomview wants four numbers; three are common. The first vertex's line tells.
         line = int(np.searchsorted(tokens.first, first, side="right")) - 1
-        colors = int(tokens.counts()[line]) - fixed if 0 <= line else 4
+        colors = int(tokens.counts()[line]) - fixed if line >= 0 else 4
         colors = colors if colors in (3, 4) and tokens.first[line] == first else 4
     per_vertex = fixed + colors
     left = len(tokens.starts) - first
@@ -135,6 +136,13 @@ def _faces(tokens: Tokens, layout: _Layout) -> tuple[IntArray, IntArray, bool]:
     group, place = spread(sizes)
     chosen = heads[group] + 1 + place
     corners = parse_ints(tokens.text, tokens.starts[chosen], tokens.ends[chosen])
+    wrong = (corners < 0) | (corners >= layout.vertices)
+    if wrong.any():
+        where, bad = int(np.argmax(wrong)), corners[np.argmax(wrong)]
+        raise FormatError(
+            f"line {tokens.line(int(chosen[where]))}: face {group[where]} refers to vertex {bad}, "
+            f"expected 0 to {layout.vertices - 1}"
+        )
     return corners, sizes, bool((room > sizes).any())
 
 
@@ -162,7 +170,8 @@ def _attributes(data: bytes, polygons: bool, colored: bool) -> Attributes:
     layout = _layout(tokens)
 
     def numbers(place: int, width: int) -> FloatArray:
-        return parse_floats(tokens, layout.column(place, width)).reshape(-1, width)
+        chosen = layout.column(place, width)
+        return parse_floats(tokens.text, tokens.starts[chosen], tokens.ends[chosen]).reshape(-1, width)
 
     after_normals = 3 + 3 * layout.normals
     other = ["polygons"] * polygons + ["face colours"] * colored

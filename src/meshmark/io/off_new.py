@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-
 from meshmark.io.document import Attributes
 from meshmark.io.fresh_text import index_lines, number_lines
 from meshmark.mesh import FloatArray, IntArray

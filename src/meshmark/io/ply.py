@@ -24,7 +24,7 @@ __all__ = ["parse_ply"]
 _INDICES = ("vertex_indices", "vertex_index")
 
 
-def parse_ply(data: bytes, path: Path) -> PatchDocument:
+def parse_ply(data: bytes, _path: Path) -> PatchDocument:
     """Read a PLY file. Raises `FormatError` where it breaks the format."""
     header = parse_header(data)
     source = _source(data, header)
@@ -58,7 +58,8 @@ def _positions(data: bytes, source: PlyData, vertex: Columns | None) -> Position
     if not isinstance(source, TextData):
         return binary_positions(data, places, types)
     whole = all(dtype.kind != "f" for dtype in types)
-    return text_positions(data, source.tokens, np.stack(places, axis=1), whole)
+    chosen = np.stack(places, axis=1)
+    return text_positions(data, source.tokens.starts[chosen], source.tokens.ends[chosen], whole)
 
 
 def _corners(source: PlyData, face: Columns | None) -> tuple[IntArray, IntArray]:

@@ -6,13 +6,14 @@ A place is a byte offset in a binary file and the index of a token in a text fil
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from meshmark.errors import FormatError
-from meshmark.io.text_tokens import Tokens, parse_floats, parse_ints
+from meshmark.io.text_numbers import parse_floats, parse_ints
+from meshmark.io.text_tokens import Tokens
 from meshmark.mesh import IntArray
 
 __all__ = ["BinaryData", "PlyData", "TextData", "Type", "strided"]
@@ -23,15 +24,26 @@ Type = np.dtype[Any]
 class PlyData(Protocol):
     """Values at places from `begin` to `end`."""
 
-    begin: int
-    end: int
-    unit: str
+    @property
+    def begin(self) -> int:
+        """Return the first place."""
+        ...
 
-    def width(self, dtype: Type) -> int:
+    @property
+    def end(self) -> int:
+        """Return the place after the last."""
+        ...
+
+    @property
+    def unit(self) -> str:
+        """Return what places count, for messages."""
+        ...
+
+    def width(self, dtype: Type, /) -> int:
         """Return how many places one value takes."""
         ...
 
-    def count(self, place: int, dtype: Type) -> int:
+    def count(self, place: int, dtype: Type, /) -> int:
         """Return the list length at a place."""
         ...
 
@@ -54,7 +66,7 @@ def strided(
     return np.ndarray((len(places), members), dtype, buffer, int(places[0]), (stride, dtype.itemsize))
 
 
-@dataclass
+@dataclass(frozen=True, eq=False)
 class BinaryData:
     """Binary data; types carry the byte order."""
 
@@ -69,7 +81,7 @@ class BinaryData:
 
     def count(self, place: int, dtype: Type) -> int:
         """Return the list length at a place."""
-        order = "big" if dtype.byteorder == ">" else "little"
+        order: Literal["big", "little"] = "big" if dtype.byteorder == ">" else "little"
         return int.from_bytes(self.data[place : place + dtype.itemsize], order, signed=dtype.kind == "i")
 
     def values(self, places: IntArray, dtype: Type) -> NDArray[Any]:
@@ -83,10 +95,10 @@ class BinaryData:
             return view
         size = dtype.itemsize * members
         letters = np.frombuffer(self.data, dtype=np.uint8)[places[:, None] + np.arange(size)]
-        return letters.view(dtype).reshape(-1, members)
+        return np.asarray(letters.view(dtype).reshape(-1, members))
 
 
-@dataclass
+@dataclass(frozen=True, eq=False)
 class TextData:
     """Data as text."""
 
@@ -99,11 +111,11 @@ class TextData:
         """Return the number of tokens."""
         return len(self.tokens.starts)
 
-    def width(self, dtype: Type) -> int:
+    def width(self, _dtype: Type) -> int:
         """Return 1: every value is one token."""
         return 1
 
-    def count(self, place: int, dtype: Type) -> int:
+    def count(self, place: int, _dtype: Type) -> int:
         """Return the list length at a place."""
         word = self.tokens.word(place)
         try:
@@ -115,9 +127,8 @@ class TextData:
 
     def values(self, places: IntArray, dtype: Type) -> NDArray[Any]:
         """Return the (k,) values at ascending places."""
-        if dtype.kind == "f":
-            return parse_floats(self.tokens, places)
-        return parse_ints(self.tokens.text, self.tokens.starts[places], self.tokens.ends[places])
+        parse = parse_floats if dtype.kind == "f" else parse_ints
+        return parse(self.tokens.text, self.tokens.starts[places], self.tokens.ends[places])
 
     def lists(self, places: IntArray, dtype: Type, members: int) -> NDArray[Any]:
         """Return the (k, members) values of lists that begin at ascending places."""

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import os
-import secrets
-from collections.abc import Mapping
+import tempfile
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -17,8 +17,6 @@ from meshmark.io.source import SourceFile, gzipped
 from meshmark.mesh import FloatArray, IntArray, Mesh
 
 __all__ = ["WriteReport", "conform", "write_mesh"]
-
-_WORDS = {"normals": "normals", "texcoords": "texture coordinates", "colors": "vertex colours"}
 
 
 @dataclass(frozen=True)
@@ -37,15 +35,16 @@ def conform(mesh: Mesh, vertices: FloatArray) -> FloatArray:
 
     A mesh made in memory holds any double.
     """
-    return vertices + 0.0 if mesh.document is None else mesh.document.conform(vertices)
+    return vertices.copy() if mesh.document is None else mesh.document.conform(vertices)
 
 
-def write_mesh(mesh: Mesh, path: str | Path) -> WriteReport:
+def write_mesh(mesh: Mesh, path: str | Path, verify: Callable[[Path], None] | None = None) -> WriteReport:
     """Write a mesh to `path`: positions patched into the file it came from, or converted to a new one.
 
     The format is the extension's, or without a known one that of the file read. A patched save changes
     nothing but positions and copies side files (materials, images) that are not there yet. All files are
-    complete before any is moved into place; on failure none is left.
+    complete before any is moved into place; on failure none is left. `verify` is given the model among the
+    complete files, before they have their places, and stops the save by raising.
     Raises `InputError` where `path` is the file read or one it refers to, or has no known format, and
     `OutputError` where it cannot be written.
     """
@@ -55,9 +54,14 @@ def write_mesh(mesh: Mesh, path: str | Path) -> WriteReport:
     source = document if isinstance(document, SourceFile) else None
     target = _checked_target(path, source)
     copies: dict[str, Path] = {}
+    dropped: tuple[str, ...] = ()
+    if document is not None and not np.array_equal(mesh.faces, document.faces):
+        raise InputError(
+            "the mesh has other faces than the file it came from; drop its document to save it anew"
+        )
     if document is not None and document.format == entry.name:
         holder = source or SourceFile(path, document)
-        files, dropped = dict(holder.patched(mesh.vertices, path.name)), ()
+        files = dict(holder.patched(mesh.vertices, path.name))
         copies = _side_copies(holder, target.parent)
     else:
         files, dropped = _converted(mesh, entry, path.name)
@@ -66,7 +70,7 @@ def write_mesh(mesh: Mesh, path: str | Path) -> WriteReport:
         _check_neighbours(source, files, target)
     try:
         files |= {name: origin.read_bytes() for name, origin in copies.items() if name not in files}
-        return WriteReport(_move_into_place({target: main, **_beside(target, files)}), dropped)
+        return WriteReport(_move_into_place({target: main, **_beside(target, files)}, verify), dropped)
     except OSError as error:
         raise OutputError(f"cannot write {error.filename or path}: {error.strerror or error}") from None
 
@@ -106,20 +110,20 @@ def _check_neighbours(source: SourceFile, files: Mapping[str, bytes], target: Pa
 
     In the input's own folder, an existing file may be replaced only where its name is OUT's own.
     """
-    if not target.parent.samefile(source.path.parent):
+    if not files or not target.parent.samefile(source.path.parent):
         return
     stem = target.name.split(".")[0]
     for name in files:
         if (target.parent / name).exists() and not name.startswith(stem):
             raise InputError(
-                f"cannot write {target.name} here: it would replace {name}, which {source.path.name} may need; "
-                "choose another folder"
+                f"cannot write {target.name} here: it would replace {name}, which {source.path.name} "
+                "may need; choose another folder"
             )
 
 
 def _side_copies(source: SourceFile, folder: Path) -> dict[str, Path]:
     home = source.path.parent
-    if folder.samefile(home):
+    if not home.is_dir() or folder.samefile(home):
         return {}
     names = {os.path.relpath(origin, home): origin for origin in source.side_files()}
     return {name: origin for name, origin in names.items() if not (folder / name).exists()}
@@ -127,15 +131,27 @@ def _side_copies(source: SourceFile, folder: Path) -> dict[str, Path]:
 
 def _converted(mesh: Mesh, entry: Format, name: str) -> tuple[dict[str, bytes], tuple[str, ...]]:
     attributes = Attributes() if mesh.document is None else mesh.document.attributes()
-    lost = [field for field in _WORDS if getattr(attributes, field) is not None and field not in entry.keeps]
-    attributes = replace(attributes, **dict.fromkeys(lost))
+    attributes, lost = _kept(attributes, entry)
     vertices, faces, attributes = _split_seams(mesh, attributes)
     packed = name.lower().endswith(".gz")
     inner = name[:-3] if packed else name
     files, dropped = entry.convert(vertices, faces, attributes, inner)
     if packed:
         files = {name: gzipped(files.pop(inner)), **files}
-    return files, tuple(dict.fromkeys([_WORDS[field] for field in lost] + list(dropped)))
+    return files, tuple(dict.fromkeys((*lost, *dropped)))
+
+
+def _kept(attributes: Attributes, entry: Format) -> tuple[Attributes, list[str]]:
+    """Return the attributes that the target can hold, and the names of the others."""
+    normals, texcoords, colors = attributes.normals, attributes.texcoords, attributes.colors
+    lost: list[str] = []
+    if normals is not None and "normals" not in entry.keeps:
+        normals, lost = None, [*lost, "normals"]
+    if texcoords is not None and "texcoords" not in entry.keeps:
+        texcoords, lost = None, [*lost, "texture coordinates"]
+    if colors is not None and "colors" not in entry.keeps:
+        colors, lost = None, [*lost, "vertex colours"]
+    return replace(attributes, normals=normals, texcoords=texcoords, colors=colors), lost
 
 
 def _split_seams(mesh: Mesh, attributes: Attributes) -> tuple[FloatArray, IntArray, Attributes]:
@@ -161,20 +177,22 @@ def _beside(target: Path, files: Mapping[str, bytes]) -> dict[Path, bytes]:
     return beside
 
 
-def _move_into_place(files: Mapping[Path, bytes]) -> tuple[Path, ...]:
-    """Write every file under a temporary name beside its place, then rename all, the first one last."""
-    temporary: dict[Path, Path] = {}
-    try:
+def _move_into_place(files: Mapping[Path, bytes], verify: Callable[[Path], None] | None) -> tuple[Path, ...]:
+    """Write every file into a temporary folder beside its place, then move all, the first one last."""
+    target, *_ = files
+    with tempfile.TemporaryDirectory(
+        prefix=f".{target.name[:80]}.", suffix=".tmp", dir=target.parent
+    ) as name:
+        stage = Path(name)
+        staged = {place: stage / place.relative_to(target.parent) for place in files}
         for place, data in files.items():
-            spare = place.with_name(f".{place.name[:80]}.{secrets.token_hex(6)}.tmp")
-            temporary[place] = spare
-            with spare.open("xb") as stream:
+            staged[place].parent.mkdir(parents=True, exist_ok=True)
+            with staged[place].open("xb") as stream:
                 stream.write(data)
                 stream.flush()
                 os.fsync(stream.fileno())
-        for place in reversed(files):
-            temporary[place].replace(place)
-    finally:
-        for spare in temporary.values():
-            spare.unlink(missing_ok=True)
+        if verify is not None:
+            verify(staged[target])
+        for place in reversed(list(files)):
+            staged[place].replace(place)
     return tuple(files)

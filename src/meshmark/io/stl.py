@@ -11,7 +11,7 @@ from meshmark.io.stl_text import parse_text_stl
 __all__ = ["parse_stl"]
 
 
-def parse_stl(data: bytes, path: Path) -> PatchDocument:
+def parse_stl(data: bytes, _path: Path) -> PatchDocument:
     """Read an STL file. Raises `FormatError` where it breaks the format."""
     facets = int.from_bytes(data[80:HEAD], "little")
     binary = len(data) >= HEAD and len(data) == HEAD + FACET.itemsize * facets

@@ -22,7 +22,7 @@ def facet_normals(corners: FloatArray) -> FloatArray:
     edges = np.divide(edges, size, out=np.zeros_like(edges), where=size > 0)
     normals = np.cross(edges[:, 0], edges[:, 1])
     length = np.linalg.norm(normals, axis=1, keepdims=True)
-    return np.divide(normals, length, out=np.zeros_like(normals), where=length > 0)
+    return np.asarray(np.divide(normals, length, out=np.zeros_like(normals), where=length > 0))
 
 
 def stale_facets(stored: FloatArray, before: FloatArray, after: FloatArray) -> NDArray[np.bool_]:

@@ -11,11 +11,11 @@ from meshmark.errors import FormatError
 from meshmark.io.document import Attributes
 from meshmark.io.number_print import format_numbers, round_numbers
 from meshmark.io.number_style import NumberStyle, detect_style, digits_needed
-from meshmark.io.obj_lines import ObjLines
 from meshmark.io.patch_document import PatchDocument, patch_document
 from meshmark.io.stl_normals import facet_normals, stale_facets
+from meshmark.io.text_numbers import parse_floats
 from meshmark.io.text_positions import Edits, TextPositions, merge_edits, splice, text_positions
-from meshmark.io.text_tokens import Tokens, parse_floats, tokenise
+from meshmark.io.text_tokens import Tokens, key, tokenise
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["parse_text_stl"]
@@ -62,10 +62,10 @@ def parse_text_stl(data: bytes) -> PatchDocument:
     """Read an STL file of text. Raises `FormatError` where it breaks the format."""
     tokens = tokenise(data)
     rows, solids = _facets(tokens)
-    corners = text_positions(data, tokens, rows[:, _CORNERS].reshape(-1, 3))
-    chosen = rows[:, _NORMAL].ravel()
-    normals = parse_floats(tokens, chosen, finite=False)
+    numbers, chosen = rows[:, _CORNERS].reshape(-1, 3), rows[:, _NORMAL].ravel()
+    corners = text_positions(data, tokens.starts[numbers], tokens.ends[numbers])
     starts, ends = tokens.starts[chosen], tokens.ends[chosen]
+    normals = parse_floats(tokens.text, starts, ends, finite=False)
     plain = np.isfinite(normals)
     style = (
         detect_style(tokens.text, starts[plain], ends[plain], normals[plain])
@@ -80,8 +80,8 @@ def parse_text_stl(data: bytes) -> PatchDocument:
 
 def _facets(tokens: Tokens) -> tuple[IntArray, int]:
     """Return the (m, 21) tokens of the facets, and the number of solids."""
-    lines = ObjLines(tokens, tokens.first, tokens.counts() - 1)
-    solid, end = lines.keyword(b"solid", fold=True), lines.keyword(b"endsolid", fold=True)
+    lines = tokens.keys(tokens.first, fold=True)
+    solid, end = lines == key(b"solid"), lines == key(b"endsolid")
     if not len(tokens.first) or not end[-1]:
         raise FormatError("the file ends without a line 'endsolid'")
     words = np.flatnonzero(~np.repeat(solid | end, tokens.counts()))
@@ -91,7 +91,7 @@ def _facets(tokens: Tokens) -> tuple[IntArray, int]:
     rows = words[:whole].reshape(-1, _FACET)
     wrong = np.zeros(rows.shape, dtype=bool)
     for place, word in _WORDS.items():
-        wrong[:, place] = ~tokens.equal(rows[:, place], word)
+        wrong[:, place] = tokens.keys(rows[:, place], fold=True) != key(word)
     if wrong.any():
         token = int(rows.flat[np.argmax(wrong)])
         wanted = _WORDS[int(np.argmax(wrong)) % _FACET].decode()

@@ -10,13 +10,16 @@ from meshmark.errors import InputError
 from meshmark.io.number_print import format_numbers, round_numbers
 from meshmark.io.number_style import NumberStyle, detect_style, digits_needed
 from meshmark.io.polygons import spread
-from meshmark.io.text_tokens import ByteArray, Tokens, parse_floats, span_mask
+from meshmark.io.text_numbers import ByteArray, parse_floats, span_mask
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["Edits", "TextPositions", "merge_edits", "splice", "text_positions"]
 
 # Starts and ends of spans to replace, ascending; the new texts joined; their lengths.
 Edits = tuple[IntArray, IntArray, ByteArray, IntArray]
+
+# Edits are made this many at a time: few enough to stay in the cache.
+_BATCH = 1 << 16
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,30 +75,41 @@ class TextPositions:
             digits = again
 
 
-def text_positions(data: bytes, tokens: Tokens, chosen: IntArray, whole: bool = False) -> TextPositions:
-    """Read the coordinates x, y, z that stand in the chosen tokens, (n, 3), row by row ascending.
+def text_positions(data: bytes, starts: IntArray, ends: IntArray, whole: bool = False) -> TextPositions:
+    """Read the coordinates x, y, z that stand in these spans, (n, 3), row by row ascending.
 
     Within a row the order may differ, the same in all rows. whole: the file allows whole numbers only.
     """
-    order = np.argsort(chosen[0])
-    ranked = chosen[:, order].ravel()
-    values = parse_floats(tokens, ranked)
-    starts, ends = tokens.starts[ranked], tokens.ends[ranked]
-    style = detect_style(tokens.text, starts, ends, values)
-    if whole:
-        style = NumberStyle("whole", 1, 0, 0)
-    back = np.argsort(order)
-    return TextPositions(data, starts, ends, values.reshape(-1, 3)[:, back], style, order)
+    order = np.argsort(starts[0])
+    text = np.frombuffer(data, dtype=np.uint8)
+    begins, stops = starts[:, order].ravel(), ends[:, order].ravel()
+    values = parse_floats(text, begins, stops)
+    style = NumberStyle("whole", 1, 0, 0) if whole else detect_style(text, begins, stops, values)
+    return TextPositions(data, begins, stops, values.reshape(-1, 3)[:, np.argsort(order)], style, order)
 
 
 def splice(data: bytes, starts: IntArray, ends: IntArray, letters: ByteArray, lengths: IntArray) -> bytes:
     """Return `data` with the spans, ascending, replaced by the texts in `letters` of these lengths."""
-    if not len(starts):
-        return data
-    old = np.frombuffer(data, dtype=np.uint8)
+    parts, done, used = [], 0, 0
+    for low in range(0, len(starts), _BATCH):
+        batch = slice(low, low + _BATCH)
+        end, grown = int(ends[batch][-1]), int(lengths[batch].sum())
+        old = np.frombuffer(data, dtype=np.uint8, count=end - done, offset=done)
+        parts.append(
+            _spliced(
+                old, starts[batch] - done, ends[batch] - done, letters[used : used + grown], lengths[batch]
+            )
+        )
+        done, used = end, used + grown
+    return b"".join([*parts, data[done:]]) if parts else data
+
+
+def _spliced(
+    old: ByteArray, starts: IntArray, ends: IntArray, letters: ByteArray, lengths: IntArray
+) -> bytes:
     growth = lengths - (ends - starts)
     begins = starts + np.cumsum(growth) - growth
-    out = np.empty(len(data) + int(growth.sum()), dtype=np.uint8)
+    out = np.empty(len(old) + int(growth.sum()), dtype=np.uint8)
     fresh = span_mask(len(out), begins, begins + lengths)
     out[fresh] = letters
     out[~fresh] = old[~span_mask(len(old), starts, ends)]
@@ -104,7 +118,8 @@ def splice(data: bytes, starts: IntArray, ends: IntArray, letters: ByteArray, le
 
 def merge_edits(first: Edits, second: Edits) -> Edits:
     """Return two sets of edits as one, ascending."""
-    starts, ends, letters, lengths = (np.concatenate(pair) for pair in zip(first, second, strict=True))
+    starts, ends = np.concatenate([first[0], second[0]]), np.concatenate([first[1], second[1]])
+    letters, lengths = np.concatenate([first[2], second[2]]), np.concatenate([first[3], second[3]])
     order = np.argsort(starts, kind="stable")
     begins = np.cumsum(lengths) - lengths
     group, place = spread(lengths[order])

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from meshmark.errors import FormatError
-from meshmark.io.text_tokens import ByteArray, compact
+from meshmark.io.text_numbers import ByteArray, compact
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["PlainList", "attribute_spans", "number", "plain_lists", "whole_number"]

@@ -1,0 +1,108 @@
+"""Numbers in spans of a text, read by numpy's own parser, which rounds as `float` does."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshmark.errors import FormatError
+from meshmark.mesh import FloatArray, IntArray
+
+__all__ = ["ByteArray", "compact", "line_number", "parse_floats", "parse_ints", "readable", "span_mask"]
+
+ByteArray = NDArray[np.uint8]
+
+_BLANK = 32
+# Spans are read this many at a time: few enough to stay in the cache.
+_BATCH = 1 << 16
+
+
+def readable(text: ByteArray, start: int, end: int) -> str:
+    """Return a word of the text for a message: shortened, and printable whatever its bytes are."""
+    word = text[start : min(end, start + 40)].tobytes().decode("latin-1")
+    return word if word.isascii() and word.isprintable() else ascii(word)[1:-1]
+
+
+def line_number(text: ByteArray, offset: int) -> int:
+    """Return the number, from 1, of the line that byte `offset` of a text stands on."""
+    head = text[:offset].tobytes()
+    return 1 + head.count(b"\n") + head.count(b"\r") - head.count(b"\r\n")
+
+
+def span_mask(size: int, starts: IntArray, ends: IntArray) -> NDArray[np.bool_]:
+    """Return (size,) True inside the spans [start, end), which may touch but not overlap."""
+    steps = np.zeros(size + 1, dtype=np.int8)
+    steps[starts] += 1
+    steps[ends] -= 1
+    return np.cumsum(steps[:-1], dtype=np.int8).view(np.bool_)
+
+
+def compact(text: ByteArray, starts: IntArray, ends: IntArray) -> ByteArray:
+    """Return the bytes of the spans, which ascend and are not empty, each followed by one space."""
+    if not len(starts):
+        return np.empty(0, dtype=np.uint8)
+    low, high = int(starts[0]), int(ends[-1]) + 1
+    region = text[low:high] if high <= len(text) else np.append(text[low:high], np.uint8(_BLANK))
+    packed = region[span_mask(high - low, starts - low, ends + 1 - low)]
+    packed[np.cumsum(ends - starts + 1) - 1] = _BLANK
+    return packed
+
+
+def parse_floats(text: ByteArray, starts: IntArray, ends: IntArray, finite: bool = True) -> FloatArray:
+    """Return the (k,) numbers in the spans, ascending, each rounded correctly as `float` does.
+
+    Raises `FormatError` with the line of the first span that is not a number, finite if so asked.
+    """
+    values: FloatArray = _parse(text, starts, ends, np.float64, "a number")
+    bad = ~np.isfinite(values)
+    if finite and bad.any():
+        start, end = int(starts[np.argmax(bad)]), int(ends[np.argmax(bad)])
+        raise FormatError(
+            f"line {line_number(text, start)} has '{readable(text, start, end)}' "
+            "where a finite number is expected"
+        )
+    return values
+
+
+def parse_ints(text: ByteArray, starts: IntArray, ends: IntArray) -> IntArray:
+    """Return the (k,) whole numbers in the spans, ascending; numbers beyond 64 bits saturate.
+
+    Raises `FormatError` with the line of the first span that is not a whole number.
+    """
+    return _parse(text, starts, ends, np.int64, "a whole number")
+
+
+def _parse(text: ByteArray, starts: IntArray, ends: IntArray, dtype: Any, wanted: str) -> NDArray[Any]:
+    values = np.empty(len(starts), dtype=dtype)
+    for low in range(0, len(starts), _BATCH):
+        batch = slice(low, low + _BATCH)
+        found = _read(text, starts[batch], ends[batch], dtype)
+        if found is None:
+            start, end = _first_bad(text, starts[batch], ends[batch], dtype)
+            word = readable(text, start, end)
+            raise FormatError(f"line {line_number(text, start)} has '{word}' where {wanted} is expected")
+        values[batch] = found
+    return values
+
+
+def _read(text: ByteArray, starts: IntArray, ends: IntArray, dtype: Any) -> NDArray[Any] | None:
+    if (ends <= starts).any():
+        return None
+    try:
+        values = np.fromstring(compact(text, starts, ends).tobytes(), dtype=dtype, sep=" ")
+    except ValueError:
+        return None
+    return values if len(values) == len(starts) else None
+
+
+def _first_bad(text: ByteArray, starts: IntArray, ends: IntArray, dtype: Any) -> tuple[int, int]:
+    low, high = 0, len(starts)
+    while high - low > 1:
+        middle = (low + high) // 2
+        if _read(text, starts[low:middle], ends[low:middle], dtype) is None:
+            high = middle
+        else:
+            low = middle
+    return int(starts[low]), int(ends[low])
