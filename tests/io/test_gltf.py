@@ -218,6 +218,21 @@ def test_side_files_are_the_images(tmp_path: Path) -> None:
     assert document.side_files() == (tmp_path / "skin 1.png",)
 
 
+def test_buffers_without_positions_are_side_files(tmp_path: Path) -> None:
+    sample = cube()
+    (tmp_path / "old buffer.bin").write_bytes(sample.blob)
+    (tmp_path / "more.bin").write_bytes(b"12345678")
+    text = sample.json(uri="old%20buffer.bin").replace(
+        b'"buffers": [', b'"buffers": [ {"uri": "more.bin", "byteLength": 8},'
+    )
+    text = text.replace(b'"buffer": 0', b'"buffer": 1')
+    document = parse_gltf(text, tmp_path / "in.gltf")
+    assert document.side_files() == (tmp_path / "more.bin",)
+    files = document.patched(moved(document), "new.gltf")
+    assert list(files) == ["new.gltf", "new1.bin"]
+    assert [item["uri"] for item in json.loads(files["new.gltf"])["buffers"]] == ["more.bin", "new1.bin"]
+
+
 def test_overlapping_accessors_move_together(tmp_path: Path) -> None:
     sample = cube()
     tail = sample.accessor(0, CUBE[4:].astype("f4"), bounds=True, byteOffset=48)

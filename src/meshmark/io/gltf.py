@@ -59,10 +59,11 @@ class GltfDocument:
         a position cannot be stored.
         """
         target, moved = self._pulled(vertices)
-        if not moved.any():
-            return rebuild(self.container, self.container.blob, name)
-        check_uses(self.container, self.points, moved)
-        return rebuild(self.container, self.points.written(target, moved, self.container.blob), name)
+        blob = self.container.blob
+        if moved.any():
+            check_uses(self.container, self.points, moved)
+            blob = self.points.written(target, moved, blob)
+        return rebuild(self.container, blob, name, self._held())
 
     def attributes(self) -> Attributes:
         """Return what a conversion to another format may keep."""
@@ -73,11 +74,17 @@ class GltfDocument:
         return gltf_summary(self.container, self.scene)
 
     def side_files(self) -> tuple[Path, ...]:
-        """Return the existing images beside the model; its buffers are returned by `patched`."""
-        buffers = {item.name for item in self.container.segments if item.kind == "file"}
-        folder = self.container.path.parent
-        names = [name for name in referenced_files(self.container) if name not in buffers]
+        """Return the existing images, and buffers without positions, beside the model."""
+        held, folder = self._held(), self.container.path.parent
+        names = [name for name in referenced_files(self.container) if name not in held]
         return tuple(folder / name for name in names if (folder / name).is_file())
+
+    def _held(self) -> set[str]:
+        """Return the names of the buffers beside the model that hold positions of the surface."""
+        files = [item for item in self.container.segments if item.kind == "file"]
+        address = self.points.address
+        spans = {item.name: (address >= item.start) & (address < item.start + item.size) for item in files}
+        return {name for name, inside in spans.items() if inside.any()}
 
     def _pulled(self, vertices: FloatArray) -> tuple[FloatArray, NDArray[np.bool_]]:
         if np.shape(vertices) != self.vertices.shape:

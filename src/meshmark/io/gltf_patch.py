@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import json
 import struct
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from pathlib import PurePosixPath
 from typing import Any
 from urllib.parse import quote
@@ -23,8 +23,10 @@ __all__ = ["rebuild", "referenced_files"]
 _Path = tuple[str | int, ...]
 
 
-def rebuild(container: Container, blob: Bytes, name: str) -> dict[str, bytes]:
+def rebuild(container: Container, blob: Bytes, name: str, held: Collection[str]) -> dict[str, bytes]:
     """Return the files to write for a blob with moved positions, the model first, called `name`.
+
+    held: the buffers beside the model that hold positions; others are side files and not returned.
 
     A buffer beside the model keeps its name where the model keeps its own (so the save goes to another
     folder); else it gets one made from the model's, so that the original's buffer, and the buffers of
@@ -35,7 +37,7 @@ def rebuild(container: Container, blob: Bytes, name: str) -> dict[str, bytes]:
     for segment in container.segments:
         content = _content(blob, segment)
         changed = content != _content(container.blob, segment)
-        if segment.kind == "file":
+        if segment.kind == "file" and segment.name in held:
             target = _new_name(container, segment, name) if changed else segment.name
             files[target] = content
             if target != segment.name:
