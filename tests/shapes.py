@@ -31,3 +31,12 @@ def sphere_with_a_spike(across: int = 24) -> tuple[FloatArray, IntArray, int]:
     tip = 5 * across + 7
     points[tip] *= 1.3
     return points, faces, tip
+
+
+def pebble(across: int = 72) -> tuple[FloatArray, IntArray]:
+    """A closed, lopsided shape with dents, about across^2/2 points; its frame is well defined."""
+    points, faces, _ = sphere_with_a_spike(across)
+    unit = points / np.linalg.norm(points, axis=1)[:, None]
+    x, y, z = unit.T
+    radius = 1.0 + 0.25 * x + 0.15 * x * y + 0.2 * z**3 + 0.08 * np.sin(4 * y) * x + 0.05 * np.cos(5 * z + x)
+    return unit * radius[:, None] * [1.6, 1.2, 1.0], faces

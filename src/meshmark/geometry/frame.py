@@ -106,14 +106,14 @@ def canonical_frame(points: FloatArray, faces: IntArray) -> Frame:
     return Frame(centre, scale, np.ascontiguousarray(axes), values / values.sum(), area / scale**2)
 
 
-def frame_alternatives(frame: Frame) -> Iterator[Frame]:
+def frame_alternatives(frame: Frame, exchange: bool = False) -> Iterator[Frame]:
     """Yield `frame`, then the other turns it may have been mistaken for, likeliest first.
 
-    The four proper sign patterns; then, where two moments are nearly equal, the same with those axes exchanged.
+    The four proper sign patterns; with `exchange` also those with axes of nearly equal moments exchanged.
     """
     for order in permutations(range(3)):
         moments = frame.moments[list(order)]
-        if (np.diff(moments) > SWAP_GAP).any():
+        if order != (0, 1, 2) and (not exchange or (np.diff(moments) > SWAP_GAP).any()):
             continue
         axes = frame.axes[:, list(order)]
         if np.linalg.det(axes) < 0.0:

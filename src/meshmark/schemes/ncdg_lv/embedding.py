@@ -121,7 +121,7 @@ def _largest_step(
         rms = _rms(marked.vertices - mesh.vertices)
         if rms > budget:
             continue
-        found = extract(marked, key, [shaping.spacing])  # fails sooner than all spacings would
+        found = extract(marked, key, spacings=[shaping.spacing])  # fails sooner than all spacings would
         if found.id == identity and not likeliest:
             found = extract(marked, key)
         if found.id == identity:

@@ -44,11 +44,15 @@ class Reading:
 
 
 def readings(
-    surface: Welded, key: Key, code_length: int, spacings: Sequence[float] | None = None
+    surface: Welded,
+    key: Key,
+    code_length: int,
+    wide: bool = False,
+    spacings: Sequence[float] | None = None,
 ) -> Iterator[Reading]:
     """Yield a reading for each spacing and frame alternative with enough cells, likeliest first.
 
-    spacings: those to read; by default all that an embedding may have chosen.
+    wide: also with axes of nearly equal moments exchanged. spacings: those to read; by default all that an embedding may have chosen.
     """
     frame = canonical_frame(surface.points, surface.faces)
     canonical = frame.to_canonical(surface.points)
@@ -56,7 +60,7 @@ def readings(
     for spacing in spacings or preferred_spacings(frame.area):
         lattice = Lattice.keyed(key, spacing)
         samples = plan_samples(canonical, surface.faces, LONGEST_SAMPLE * spacing)(canonical)
-        for other in frame_alternatives(frame):
+        for other in frame_alternatives(frame, exchange=wide):
             turn = frame.axes.T @ other.axes
             cells, keys = read_cells(samples, lattice, turn, code_length)
             if len(cells.nodes) < CARRIER_READABLE:

@@ -18,6 +18,7 @@ class Embedding:
     id: the 64-bit id; layers: what was embedded; vertices, faces: of the file; carriers: cells that an
     extraction reads; rms_over_diagonal, max_over_diagonal: vertex displacement over the bounding-box diagonal;
     psnr_db: 20 log10(diagonal / RMS); verified: the positions as the file holds them were decoded again.
+    remarks: sentences about what a conversion to another format dropped.
     """
 
     mesh: Mesh
@@ -33,6 +34,7 @@ class Embedding:
     psnr_db: float
     verified: bool
     seconds: float
+    remarks: tuple[str, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
         """Return the fields without the mesh, the id in hexadecimal."""
