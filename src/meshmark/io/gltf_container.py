@@ -95,7 +95,7 @@ def open_glb(data: bytes, path: Path) -> Container:
         raise FormatError(f"{path.name} is binary glTF version {version}, expected version 2")
     if total > len(data):
         raise FormatError(f"{path.name} is cut off: its header says {total} bytes, it has {len(data)}")
-    chunks, at = [], 12
+    chunks, at = list[tuple[int, tuple[int, int]]](), 12
     while at < total:
         if at + 8 > total:
             raise FormatError(f"{path.name}: the header of chunk {len(chunks)} is cut off at byte {at}")

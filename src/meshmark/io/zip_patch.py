@@ -106,8 +106,8 @@ def _zip64_field(header: bytearray, lengths_at: int, fixed: int) -> int:
     while at + 4 <= end:
         kind, size = struct.unpack_from("<HH", header, at)
         if kind == 1:
-            return at + 4
-        at += 4 + size
+            return int(at + 4)
+        at += int(4 + size)
     return len(header)
 
 
