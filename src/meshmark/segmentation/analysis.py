@@ -54,7 +54,7 @@ def segment(mesh: Mesh, regions: int | None = None) -> Segmentation:
     welded, found = points_and_saliency(mesh)
     count = default_regions(len(welded.points)) if regions is None else regions
     if not 1 <= count <= len(welded.points):
-        raise InputError(f"{count} regions asked for, expected 1 to {len(welded.points)}, the number of points")
+        raise InputError(f"{count} regions asked for, expected 1 to {len(welded.points)}, one for each point")
     peaks = salient_points(found.beta, welded.points, found.walk, rings=found.rings)
     seeds = choose_seeds(welded.points, found.beta, peaks, count)
     parted = map_regions(welded.points, welded.faces, seeds)

@@ -46,20 +46,23 @@ def default_regions(points: int) -> int:
 
 
 def choose_seeds(points: FloatArray, beta: FloatArray, salient: IntArray, count: int) -> IntArray:
-    """Return `count` of the salient points, strong and far apart: each maximises beta times the distance to
-    the seeds before it. Where there are too few, points of the surface far from them make up the number.
+    """Return `count` salient points, strong and far apart: each maximises beta times the distance to the
+    seeds before it. Where there are too few salient points, others of the surface make up the number.
     """
-    seeds: list[int] = []
-    far = np.full(len(points), np.inf)
-    every = np.arange(len(points))
-    for _ in range(min(count, len(points))):
-        pool, worth = salient, beta[salient]
-        if not len(pool) or not far[pool].any():
-            pool, worth = every, np.ones(len(points))
-        reach = far[pool] if seeds else np.ones(len(pool))
-        seeds.append(int(pool[np.argmax(worth * reach)]))
-        far = np.minimum(far, np.linalg.norm(points - points[seeds[-1]], axis=1))
-    return np.array(seeds, np.int64)
+    pool, worth = salient, beta[salient]
+    if len(salient) < count:
+        pool = np.arange(len(points))
+        worth = np.full(len(points), 0.01 * float(worth.min(initial=1.0)))
+        worth[salient] = beta[salient]
+    places = points[pool]
+    reach = np.ones(len(pool))
+    seeds = np.empty(count, np.int64)
+    for i in range(count):
+        seeds[i] = chosen = int(np.argmax(worth * reach))
+        gap = places - places[chosen]
+        away = np.sqrt(np.einsum("ij,ij->i", gap, gap))
+        reach = np.minimum(reach, away) if i else away
+    return pool[seeds]
 
 
 def halves(points: FloatArray, faces: IntArray, areas: FloatArray) -> NDArray[np.bool_]:

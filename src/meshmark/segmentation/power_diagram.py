@@ -38,8 +38,8 @@ def assign(points: FloatArray, seeds: FloatArray, weights: FloatArray) -> IntArr
 def balanced_weights(points: FloatArray, masses: FloatArray, seeds: FloatArray) -> FloatArray:
     """Return (n,): weights whose power cells over `seeds` (n, 3) share the mass of `points` equally.
 
-    masses: (p,) not negative, with a positive sum. A point is not divided, so the shares are equal up to about
-    the mass of one point for each cell.
+    masses: (p,) not negative, with a positive sum. A point is not divided, so the shares are equal up to
+    about the mass of one point for each cell.
     """
     masses = masses / masses.sum()
     size = float(np.ptp(points, axis=0).max()) or 1.0
@@ -58,14 +58,14 @@ def _condense(points: FloatArray, masses: FloatArray) -> tuple[FloatArray, Float
     cube = ((points - low) * across).astype(np.int64)
     key = (cube[:, 0] * (across + 1) + cube[:, 1]) * (across + 1) + cube[:, 2]
     _, group = np.unique(key, return_inverse=True)
-    total = np.bincount(group, weights=masses)
+    total = np.bincount(group, weights=masses).astype(np.float64)
     sums = [np.bincount(group, weights=masses * axis) for axis in points.T]
     kept = total > 0.0
     return np.stack(sums, axis=1)[kept] / total[kept, None], total[kept]
 
 
 def _anneal(points: FloatArray, masses: FloatArray, seeds: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the weights at the lowest temperature and the pseudo-inverse of the Hessian there."""
+    """Return the weights at the lowest temperature and the inverse of the Hessian there."""
     cost = np.einsum("pnk,pnk->pn", gap := points[:, None] - seeds, gap)
     cost -= cost.min(axis=1, keepdims=True)
     weights = np.zeros(len(seeds))
@@ -100,12 +100,13 @@ def _soft_value(
 def _dual(
     cost: FloatArray, masses: FloatArray, weights: FloatArray, temperature: float
 ) -> tuple[float, FloatArray, FloatArray]:
-    """Return value, gradient (excess of mass in each cell) and pseudo-inverse Hessian of the dual function."""
+    """Return value, gradient (excess of mass in each cell) and inverse Hessian of the dual function."""
     value, shares = _soft_value(cost, masses, weights, temperature)
     held = masses @ shares
     hessian = (np.diag(held) - (shares * masses[:, None]).T @ shares) / temperature
     hessian += np.eye(len(weights)) * max(1e-9, 1e-6 * float(np.trace(hessian)) / len(weights))
-    return value, held - 1.0 / len(weights), np.linalg.inv(hessian)
+    stiffness = np.linalg.inv(hessian).astype(np.float64)
+    return value, held - 1.0 / len(weights), stiffness
 
 
 def _line_search(

@@ -1,0 +1,58 @@
+"""From where to look at a model."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import ConvexHull, QhullError
+
+from meshmark.mesh import FloatArray
+
+__all__ = ["three_quarter_view"]
+
+AZIMUTH = np.deg2rad(32.0)
+ELEVATION = np.deg2rad(17.0)
+SAMPLE = 20_000
+UPWARDS = (
+    ((0.0, 1.0, 0.0), 1.0),
+    ((0.0, 0.0, 1.0), 0.7),
+    ((1.0, 0.0, 0.0), 0.4),
+    ((-1.0, 0.0, 0.0), 0.4),
+    ((0.0, -1.0, 0.0), 0.4),
+    ((0.0, 0.0, -1.0), 0.4),
+)
+"""Directions that may be up, with how likely each is beside the others for the same footing."""
+
+
+def three_quarter_view(points: FloatArray) -> FloatArray:
+    """Return the rotation (3, 3) with rows right, up, towards the viewer.
+
+    Up is the direction of the file's axes in which the model stands most broadly, y before z before the rest;
+    the long side is shown, turned a little and seen from above.
+    """
+    sample = points[:: max(1, len(points) // SAMPLE)]
+    sample = sample - sample.mean(axis=0)
+    up = max(UPWARDS, key=lambda way: way[1] * _footing(sample, np.array(way[0])))[0]
+    flat = sample - np.outer(sample @ up, up)
+    _, axes = np.linalg.eigh(flat.T @ flat)
+    long = axes[:, 2] * np.where(axes[np.argmax(np.abs(axes[:, 2])), 2] < 0.0, -1.0, 1.0)
+    level = np.cos(AZIMUTH) * np.cross(long, up) + np.sin(AZIMUTH) * long
+    towards = np.cos(ELEVATION) * level + np.sin(ELEVATION) * np.array(up)
+    right = np.cross(up, level)
+    return np.stack([right, np.cross(towards, right), towards])
+
+
+def _footing(points: FloatArray, up: FloatArray) -> float:
+    """Return the area of the hull of the lowest 3 % of the height over that of all, seen from above."""
+    height = points @ up
+    low = height <= height.min() + 0.03 * np.ptp(height)
+    above = points[:, up == 0.0]
+    return 0.02 + _hull_area(above[low]) / (_hull_area(above) or 1.0)
+
+
+def _hull_area(flat: FloatArray) -> float:
+    if len(flat) < 3:
+        return 0.0
+    try:
+        return float(ConvexHull(flat).volume)  # the volume of a plane hull is its area
+    except QhullError:  # all on one line
+        return 0.0
