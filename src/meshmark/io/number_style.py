@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from meshmark.io.text_numbers import ByteArray, compact
+from meshmark.io.text_numbers import ByteArray
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["ALL_DIGITS", "NumberStyle", "detect_style", "digits_needed", "magnitude"]
@@ -52,30 +52,35 @@ class NumberStyle:
 
 def detect_style(text: ByteArray, starts: IntArray, ends: IntArray, values: FloatArray) -> NumberStyle:
     """Return the style of the numbers in the spans, ascending; values: (k,) what they say."""
-    packed = compact(text, starts, ends)
-    stops = np.cumsum(ends - starts + 1) - 1
-    powers = np.flatnonzero((packed | 0x20) == ord("e"))
-    dots = np.flatnonzero(packed == _DOT)
-    owner, owner_of_dot = np.searchsorted(stops, powers), np.searchsorted(stops, dots)
-    mantissa_ends = stops.copy()
+    region = text[starts[0] : ends[-1]]
+    powers, owner = _inside(starts, ends, np.flatnonzero((region | 0x20) == ord("e")) + starts[0])
+    dots, owner_of_dot = _inside(starts, ends, np.flatnonzero(region == _DOT) + starts[0])
+    mantissa_ends = ends.copy()
     mantissa_ends[owner] = powers
-    decimals = np.zeros(len(stops), dtype=np.int64)
+    decimals = np.zeros(len(starts), dtype=np.int64)
     decimals[owner_of_dot] = mantissa_ends[owner_of_dot] - dots - 1
-    plain = np.ones(len(stops), dtype=bool)
+    plain = np.ones(len(starts), dtype=bool)
     plain[owner] = False
     significant = max(
         _significant(decimals[plain], values[plain]), int((decimals[~plain] + 1).max(initial=0))
     )
     most, least = int(decimals.max()), int(decimals.min())
     kind: Kind = "general" if len(powers) else "positional"
-    if len(powers) == len(stops):
+    if len(powers) == len(starts):
         kind = "exponent"
     elif kind == "positional" and most == least > 0:
         kind = "fixed"
     elif significant >= ALL_DIGITS - 1:
         kind = "shortest"
-    upper = bool((packed[powers] == ord("E")).any())
+    upper = bool((text[powers] == ord("E")).any())
     return NumberStyle(kind, max(significant, 1), most, least, bool(len(powers)), upper)
+
+
+def _inside(starts: IntArray, ends: IntArray, places: IntArray) -> tuple[IntArray, IntArray]:
+    """Return the places that lie in a span, and the span of each."""
+    owner = np.searchsorted(starts, places, side="right") - 1
+    within = places < ends[owner]
+    return places[within], owner[within]
 
 
 def _significant(decimals: IntArray, values: FloatArray) -> int:
