@@ -21,8 +21,9 @@ def compare(
     b: Annotated[Path, typer.Argument(metavar="B", help="The model to judge, such as the marked one.")],
     as_json: AsJson = False,
 ) -> int:
-    """Measure how far B is from A, vertex by vertex, in shares of A's bounding-box diagonal.
+    """Measure how far apart two models are.
 
+    Distances are between vertices of equal number, in shares of A's bounding-box diagonal.
     Models with different vertex counts have no vertex-by-vertex distance; JSON then says null.
     """
     from meshmark.io import read_mesh

@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from meshmark.cli.options import AsJson, KeyFile, ModelIn, ModelOut, Strength
-from meshmark.cli.output import answer, percent, plural, say
+from meshmark.cli.output import answer, percent, say
 from meshmark.cli.paths import check_output
 from meshmark.cli.progress import progress
 from meshmark.errors import InputError
 
-if TYPE_CHECKING:
-    from meshmark.schemes.ncdg_lv import Embedding
-
-__all__ = ["embed", "marked_in_words"]
+__all__ = ["embed"]
 
 _LAYERS = "ownership"
 
@@ -40,12 +36,13 @@ def embed(
     ] = _LAYERS,
     as_json: AsJson = False,
 ) -> int:
-    """Put a mark into a model: IN with an invisible 64-bit id goes to OUT, and nothing else changes.
+    """Put a mark into a model.
 
-    OUT appears only after it was read back and the id found in it with the key alone.
+    IN with an invisible 64-bit id goes to OUT; nothing but positions changes, and IN stays as it is.
+    OUT appears only after it was read back and the id was found in it with the key alone.
     """
     from meshmark.coding.keys import Key
-    from meshmark.coding.message import parse_id
+    from meshmark.coding.message import format_id, parse_id
     from meshmark.schemes.ncdg_lv.files import embed_file
 
     if layers != _LAYERS:
@@ -54,8 +51,13 @@ def embed(
     number = None if identity is None else parse_id(identity)
     secret = Key.load(key)
     with progress("marking"):
-        result = embed_file(model, out, secret, id=number, strength=strength.value)
+        result = embed_file(model, out, secret, number, strength.value, layers)
     for remark in result.remarks:
         say(f"meshmark: {remark}")
-    answer(f"Marked: {model} -> {out}\n{marked_in_words(result)}", result.to_dict(), as_json)
+    rms, largest = percent(result.rms_over_diagonal), percent(result.max_over_diagonal)
+    words = (
+        f"Marked: {model} -> {out}; id {format_id(result.id)}; moved {rms} of the diagonal RMS "
+        f"({largest} at most); read back and verified"
+    )
+    answer(words, result.to_dict(), as_json)
     return 0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -13,7 +14,7 @@ from meshmark.cli.progress import progress
 if TYPE_CHECKING:
     from meshmark.schemes.ncdg_lv import Extraction
 
-__all__ = ["EXIT_CODES", "extract", "found_in_words"]
+__all__ = ["EXIT_CODES", "extract"]
 
 EXIT_CODES = {"present": 0, "absent": 1, "inconclusive": 3}
 
@@ -26,7 +27,9 @@ def extract(
     ] = Search.quick,
     as_json: AsJson = False,
 ) -> int:
-    """Look for a mark in IN with the key alone; neither the original nor the id is needed.
+    """Look for a mark, with the key alone.
+
+    Neither the original nor the id is needed, and IN may have been turned, resized or converted.
 
     Exit code 0: present, and the id is printed; 1: absent; 3: inconclusive.
     """
@@ -38,16 +41,19 @@ def extract(
     mesh = read_mesh(model)
     with progress("looking for the mark"):
         found = find(mesh, secret, search=search.value)
-    answer(found_in_words(found, str(model)), found.to_dict(), as_json)
+    answer(_words(found, model), found.to_dict(), as_json)
     return EXIT_CODES[found.presence]
 
 
-def found_in_words(found: Extraction, name: str) -> str:
-    """Return the answer to "whose is it?" in plain words."""
-    chance = f"the chance of a false alarm is below 10^{found.log10_false_positive:.0f}"
-    lines = {
-        "present": f"Present: {name} carries the id {found.to_dict()['id']}; {chance}",
-        "absent": f"Absent: no mark of this key was found in {name}",
-        "inconclusive": f"Inconclusive: {name} may carry a mark of this key, but it is not certain",
+def _words(found: Extraction, model: Path) -> str:
+    from meshmark.coding.message import format_id
+
+    if found.id is not None:
+        chance = f"chance of a false alarm below 10^{found.log10_false_positive:.0f}"
+        return f"Present: {model} carries the id {format_id(found.id)}; {chance}. {found.advice}"
+    start = {
+        "present": f"Present: {model} carries a mark of this key, but its id cannot be read.",
+        "absent": f"Absent: no mark of this key was found in {model}.",
+        "inconclusive": f"Inconclusive: {model} may or may not carry a mark of this key.",
     }[found.presence]
-    return f"{lines}\n{found.advice}" if found.advice else lines
+    return f"{start} {found.advice}"

@@ -11,7 +11,10 @@ __all__ = ["info"]
 
 
 def info(model: ModelIn, as_json: AsJson = False) -> int:
-    """Tell what a model file holds: its format, its counts, its size, and whether it is closed."""
+    """Tell what a model file holds.
+
+    Its format, its counts, its size, and whether its surface is closed.
+    """
     from meshmark.io import read_mesh
     from meshmark.metrics.shape import describe
 
@@ -31,6 +34,8 @@ def _shown(value: Any) -> str:
         return f"{value:,}"
     if isinstance(value, float):
         return f"{value:.6g}"
+    if isinstance(value, dict):
+        return "; ".join(f"{name}: {_shown(entry)}" for name, entry in value.items()) or "none"
     if isinstance(value, list | tuple):
         return ", ".join(_shown(entry) for entry in value) or "none"
     return str(value) if value is not None else "none"

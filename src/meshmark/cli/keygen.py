@@ -16,7 +16,9 @@ __all__ = ["keygen"]
 def keygen(
     keyfile: Annotated[Path, typer.Argument(metavar="KEYFILE", help="New file to keep the key in.")],
 ) -> int:
-    """Make a secret key in a new file that only you can read.
+    """Make a secret key.
+
+    It goes to a new file that only you can read, and is never shown.
 
     Whoever has the key can find and imitate your marks; without it, yours cannot be found again.
     """

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import io
 import os
 import sys
 import traceback
@@ -61,7 +62,7 @@ def main(arguments: list[str] | None = None) -> int:
     except MeshmarkError as error:
         return _fail(str(error))
     except typer.TyperException as error:  # a command line that the parser refused
-        return _fail(f"{_lower_first(error.format_message())} (see `{_help_for(error)}`)")
+        return _fail(f"{_as_clause(error.format_message())} (see `{_help_for(error)}`)")
     except KeyboardInterrupt:
         return _fail("interrupted", _INTERRUPTED)
     except MemoryError:
@@ -76,6 +77,9 @@ def main(arguments: list[str] | None = None) -> int:
 
 def run() -> NoReturn:
     """Run the program on the arguments it was started with, and exit."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):  # a file name need not fit the terminal's encoding
+            stream.reconfigure(errors="backslashreplace")
     sys.exit(main())
 
 
@@ -89,8 +93,9 @@ def _help_for(error: typer.TyperException) -> str:
     return f"{context.command_path if context else 'meshmark'} --help"
 
 
-def _lower_first(message: str) -> str:
-    return message[:1].lower() + message[1:].rstrip(".")
+def _as_clause(message: str) -> str:
+    message = message.replace("Value error, ", "").rstrip(".")
+    return message[:1].lower() + message[1:]
 
 
 def _reader_gone() -> int:

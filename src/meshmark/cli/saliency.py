@@ -11,7 +11,10 @@ __all__ = ["saliency"]
 
 
 def saliency(model: ModelIn, picture: Picture = None, as_json: AsJson = False) -> int:
-    """Find the salient points of a model: where its surface stands out from its surroundings."""
+    """Find where a surface stands out.
+
+    Each vertex gets a saliency from 0 to 1; salient points are those that stand out most around them.
+    """
     from meshmark.io import read_mesh
     from meshmark.saliency import analyse
 

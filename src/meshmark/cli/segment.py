@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from meshmark.cli.options import AsJson, ModelIn, Picture
-from meshmark.cli.output import answer, percent, plural
+from meshmark.cli.output import answer, plural
 from meshmark.cli.paths import check_output
 from meshmark.cli.progress import progress
 
@@ -11,7 +11,10 @@ __all__ = ["segment"]
 
 
 def segment(model: ModelIn, picture: Picture = None, as_json: AsJson = False) -> int:
-    """Part a model into regions around its salient points, each with a fair share of top and bottom."""
+    """Part a model into regions.
+
+    Each region lies around a salient point and has a fair share of the model's two halves, green and blue.
+    """
     from meshmark.io import read_mesh
     from meshmark.segmentation import segment as part
 
@@ -27,8 +30,8 @@ def segment(model: ModelIn, picture: Picture = None, as_json: AsJson = False) ->
     fields = result.to_dict()
     lines = [f"{plural(len(fields['regions']), 'region')}; balance {fields['balance']:.3f} (1 is perfect)"]
     lines += [
-        f"  {region['id']:>3}  green {percent(region['green_share']):>7}  "
-        f"blue {percent(region['blue_share']):>7}  around vertex {region['salient_vertex']}"
+        f"  {region['id']:>3}  green {100 * region['green_share']:5.1f} %  "
+        f"blue {100 * region['blue_share']:5.1f} %  around vertex {region['salient_vertex']}"
         for region in fields["regions"]
     ]
     answer("\n".join(lines), fields, as_json)
