@@ -58,10 +58,13 @@ class SourceFile:
         return self.document.conform(vertices)
 
     def patched(self, vertices: FloatArray, name: str) -> Mapping[str, bytes]:
-        """Return the files to write; the first is gzipped where `name` ends in `.gz`."""
-        inner = name[:-3] if name.lower().endswith(".gz") else name
+        """Return the files to write; the first is gzipped where `name` ends in `.gz`.
+
+        A gzipped file whose own name does not say so stays gzipped.
+        """
+        inner = name[:-3] if _says_gzip(name) else name
         files = dict(self.document.patched(vertices, inner))
-        if inner == name:
+        if inner == name and (self.packed is None or _says_gzip(self.path.name)):
             return files
         main = files.pop(inner)
         unchanged = self.packed is not None and main == self.plain
@@ -78,6 +81,10 @@ class SourceFile:
     def side_files(self) -> tuple[Path, ...]:
         """Return existing files that the file refers to."""
         return self.document.side_files()
+
+
+def _says_gzip(name: str) -> bool:
+    return name.lower().endswith(".gz")
 
 
 def gzipped(data: bytes) -> bytes:
