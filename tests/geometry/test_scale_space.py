@@ -12,6 +12,7 @@ from meshmark.geometry.adjacency import mean_squared_edge, unique_edges
 from meshmark.geometry.scale_space import discrete_gaussian, discrete_gaussian_sum, random_walk
 from meshmark.geometry.weld import weld
 from meshmark.mesh import FloatArray
+from packed import read_packed
 
 ALPHAS = np.array([0.0, 1e-6, 0.3, 1.0, 7.5, 40.0, 300.0])
 REAL = ["models/train/casting_5096.off.xz", "models/train/open_spot_low_resolution.off.xz"]
@@ -95,9 +96,7 @@ def test_inputs_are_left_alone() -> None:
 @pytest.mark.shared
 @pytest.mark.parametrize("name", REAL)
 def test_a_real_mesh_equals_expm_multiply(shared_data: Path, name: str) -> None:
-    from meshmark.io import read_mesh
-
-    welded = weld(read_mesh(shared_data / name))
+    welded = weld(read_packed(shared_data / name))
     edges = unique_edges(welded.faces)
     walk = random_walk(welded.points, edges)
     unit = welded.points / np.linalg.norm(np.ptp(welded.points, axis=0))

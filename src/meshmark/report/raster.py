@@ -62,12 +62,9 @@ def _fill(
         slope_y = ((zc - za) * (xb - xa) - (zb - za) * (xc - xa)) / turn
     line = y + 0.5
     one = xa[face] + (line - ya[face]) * long[face]
-    above = line < yb[face]
-    other = np.where(
-        above,
-        xa[face] + (line - ya[face]) * upper[face],
-        xb[face] + (line - yb[face]) * lower[face],
-    )
+    knee = line >= yb[face]  # below its middle corner the other side follows the lower edge
+    side_x, side_y = np.where(knee, xb[face], xa[face]), np.where(knee, yb[face], ya[face])
+    other = side_x + (line - side_y) * np.where(knee, lower[face], upper[face])
     left = np.clip(np.ceil(np.minimum(one, other) - 0.5), 0, width)
     count = np.clip(np.ceil(np.maximum(one, other) - 0.5), 0, width) - left
     kept = (count > 0) & np.isfinite(slope_x[face])

@@ -46,14 +46,17 @@ def default_regions(points: int) -> int:
 
 
 def choose_seeds(points: FloatArray, beta: FloatArray, salient: IntArray, count: int) -> IntArray:
-    """Return `count` salient points, strong and far apart: each maximises beta times the distance to the
-    seeds before it. Where there are too few salient points, others of the surface make up the number.
+    """Return `count` salient points, strong and far apart: each maximises beta^(1/4) times the distance to
+    the seeds before it. Where there are too few salient points, others of the surface make up the number.
+
+    The exponent is measured: the whole beta gives regions a tenth less compact, none at all weak seeds.
     """
     pool, worth = salient, beta[salient]
     if len(salient) < count:
         pool = np.arange(len(points))
-        worth = np.full(len(points), 0.01 * float(worth.min(initial=1.0)))
+        worth = np.full(len(points), 1e-6 * float(worth.min(initial=1.0)))
         worth[salient] = beta[salient]
+    worth = worth**0.25
     places = points[pool]
     reach = np.ones(len(pool))
     seeds = np.empty(count, np.int64)
