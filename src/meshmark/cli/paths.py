@@ -16,19 +16,14 @@ def check_output(path: Path, inputs: Iterable[Path], suffix: str | None = None) 
 
     suffix: the only extension, in lower case, that the file may have; None for any.
     """
-    if path.is_dir():
-        raise OutputError(f"{path} is a directory, expected the name of a file to write")
-    if path.exists() and not path.is_file():
-        raise OutputError(f"{path} is not an ordinary file, expected the name of a file to write")
+    try:
+        _check(path, inputs)
+    except OSError as error:
+        if isinstance(error, OutputError):
+            raise
+        raise OutputError(f"cannot write {path}: {error.strerror or error}") from None
     if suffix is not None and path.suffix.lower() != suffix:
         raise InputError(f"{path} has the extension '{path.suffix}', expected {suffix}")
-    if not path.parent.is_dir():
-        raise OutputError(f"cannot write {path}: the folder {path.parent} does not exist")
-    if not os.access(path.parent, os.W_OK | os.X_OK):
-        raise OutputError(f"cannot write {path}: no permission to write in the folder {path.parent}")
-    for other in inputs:
-        if path.exists() and other.exists() and path.samefile(other):
-            raise OutputError(f"{path} is also an input, which is never overwritten; expected another name")
 
 
 def make_folder(path: Path) -> None:
@@ -37,3 +32,17 @@ def make_folder(path: Path) -> None:
         path.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise OutputError(f"cannot make the folder {path}: {error.strerror}") from None
+
+
+def _check(path: Path, inputs: Iterable[Path]) -> None:
+    if path.is_dir():
+        raise OutputError(f"{path} is a directory, expected the name of a file to write")
+    if path.exists() and not path.is_file():
+        raise OutputError(f"{path} is not an ordinary file, expected the name of a file to write")
+    if not path.parent.is_dir():
+        raise OutputError(f"cannot write {path}: the folder {path.parent} does not exist")
+    if not os.access(path.parent, os.W_OK | os.X_OK):
+        raise OutputError(f"cannot write {path}: no permission to write in the folder {path.parent}")
+    for other in inputs:
+        if path.exists() and other.exists() and path.samefile(other):
+            raise OutputError(f"{path} is also an input, which is never overwritten; expected another name")

@@ -1,0 +1,78 @@
+"""The program run in this process, and one marked model for all tests of it."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+from importlib import resources
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+from meshmark.cli.main import main
+from meshmark.coding.keys import Key
+
+IDENTITY = "0123456789abcdef"
+
+
+class Ran(NamedTuple):
+    """What a command line gave."""
+
+    code: int
+    out: str
+    err: str
+
+
+Run = Callable[..., Ran]
+
+
+@pytest.fixture
+def cli(capsys: pytest.CaptureFixture[str]) -> Run:
+    """Run one command line: `cli("info", path)`."""
+
+    def run(*arguments: object) -> Ran:
+        capsys.readouterr()
+        code = main([str(argument) for argument in arguments])
+        return Ran(code, *capsys.readouterr())
+
+    return run
+
+
+class Files(NamedTuple):
+    """A model, a key, and the model marked with `IDENTITY`."""
+
+    model: Path
+    key: Path
+    marked: Path
+    printed: dict[str, object]
+
+
+@pytest.fixture(scope="session")
+def files(tmp_path_factory: pytest.TempPathFactory) -> Files:
+    """Return files that tests only read."""
+    import contextlib
+    import io
+    import json
+
+    folder = tmp_path_factory.mktemp("files")
+    with resources.as_file(resources.files("meshmark") / "data" / "hare.ply.gz") as hare:
+        shutil.copy(hare, folder / "hare.ply.gz")
+    found = Files(folder / "hare.ply.gz", folder / "owner.key", folder / "marked.ply", {})
+    Key(bytes(range(32))).save(found.key)
+    captured = io.StringIO()
+    with contextlib.redirect_stdout(captured):
+        code = main(
+            [
+                "embed",
+                str(found.model),
+                str(found.marked),
+                "--key",
+                str(found.key),
+                "--id",
+                IDENTITY,
+                "--json",
+            ]
+        )
+    assert code == 0
+    return found._replace(printed=json.loads(captured.getvalue()))

@@ -1,0 +1,209 @@
+"""The contract of INTERFACE.md: fields, exit codes, and what goes to which stream."""
+
+from __future__ import annotations
+
+import json
+import re
+import stat
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import meshmark as mm
+
+IDENTITY = "0123456789abcdef"
+EMBED = {
+    "id", "layers", "vertices", "faces", "carriers", "mark_vertices", "payload_bytes", "rms_over_diagonal",
+    "max_over_diagonal", "psnr_db", "verified", "seconds",
+}  # fmt: skip
+EXTRACT = {
+    "presence", "id", "log10_false_positive", "mode", "carriers", "carriers_agreeing", "lock_score", "advice",
+    "seconds",
+}  # fmt: skip
+COMPARE = {
+    "rms_over_diagonal", "max_over_diagonal", "mrms_over_diagonal", "hausdorff_over_diagonal", "psnr_db",
+    "paper_psnr_db", "msdm2", "normal_deviation_deg",
+}  # fmt: skip
+
+
+def only_object(text: str) -> dict[str, Any]:
+    """Return the one JSON object that a text consists of; NaN and infinity are not JSON."""
+
+    def refuse(name: str) -> None:
+        raise AssertionError(f"{name} is not JSON")
+
+    value = json.loads(text, parse_constant=refuse)
+    assert isinstance(value, dict)
+    return value
+
+
+def test_keygen_makes_a_private_key_and_never_shows_it(cli, tmp_path):
+    ran = cli("keygen", tmp_path / "a.key")
+    secret = (tmp_path / "a.key").read_text()
+    assert ran.code == 0
+    assert stat.S_IMODE((tmp_path / "a.key").stat().st_mode) == 0o600
+    assert not any(word in ran.out + ran.err for word in re.findall(r"[0-9a-f]{16,}", secret))
+
+
+def test_keygen_never_overwrites(cli, tmp_path):
+    cli("keygen", tmp_path / "a.key")
+    before = (tmp_path / "a.key").read_bytes()
+    assert cli("keygen", tmp_path / "a.key").code == 2
+    assert (tmp_path / "a.key").read_bytes() == before
+
+
+def test_embed_gives_the_fields_of_the_contract(files):
+    assert files.printed.keys() >= EMBED
+    assert files.printed["id"] == IDENTITY
+    assert files.printed["verified"] is True
+    assert files.printed["layers"] == "ownership"
+
+
+def test_embed_stays_within_the_budget_as_an_independent_reading_of_the_files_says(files):
+    before, after = mm.read_mesh(files.model).vertices, mm.read_mesh(files.marked).vertices
+    moved = np.linalg.norm(after - before, axis=1)
+    diagonal = np.linalg.norm(before.max(axis=0) - before.min(axis=0))
+    assert 0 < np.sqrt((moved**2).mean()) / diagonal <= 8e-4
+    assert files.printed["rms_over_diagonal"] == pytest.approx(
+        np.sqrt((moved**2).mean()) / diagonal, rel=1e-6
+    )
+    assert files.printed["max_over_diagonal"] == pytest.approx(moved.max() / diagonal, rel=1e-6)
+
+
+def test_embed_says_in_words_what_it_did_and_another_name_means_another_format(cli, files, tmp_path):
+    ran = cli("embed", files.model, tmp_path / "m.stl", "--key", files.key, "--strength", "strong")
+    assert ran.code == 0
+    assert re.search(r"Marked: .*hare.ply.gz -> .*m.stl; id [0-9a-f]{16}; moved .* %", ran.out)
+    assert "verified" in ran.out
+    assert "colour" in ran.err, "what the target format cannot hold is said on standard error"
+    assert "\n" not in ran.err.rstrip("\n")
+
+
+def test_embed_draws_a_new_id_each_time(cli, files, tmp_path):
+    ids = {
+        only_object(cli("embed", files.model, tmp_path / f"{i}.ply", "--key", files.key, "--json").out)["id"]
+        for i in range(2)
+    }
+    assert len(ids) == 2
+
+
+def test_embed_without_an_extension_keeps_the_format(cli, files, tmp_path):
+    assert cli("embed", files.marked, tmp_path / "model", "--key", files.key).code == 0
+    assert (tmp_path / "model").read_bytes().startswith(b"ply\n")
+
+
+def test_extract_reads_the_id_and_exits_with_0(cli, files):
+    ran = cli("extract", files.marked, "--key", files.key, "--json")
+    found = only_object(ran.out)
+    assert (ran.code, ran.err) == (0, "")
+    assert found.keys() >= EXTRACT
+    assert (found["presence"], found["id"], found["mode"]) == ("present", IDENTITY, "blind")
+    assert found["log10_false_positive"] < -6
+    assert IDENTITY in cli("extract", files.marked, "--key", files.key).out
+
+
+@pytest.mark.parametrize("search", ["quick", "wide"])
+def test_extract_from_an_unmarked_model_exits_with_1(cli, files, search):
+    ran = cli("extract", files.model, "--key", files.key, "--search", search, "--json")
+    found = only_object(ran.out)
+    assert (ran.code, found["presence"], found["id"]) == (1, "absent", None)
+
+
+def test_extract_with_another_key_exits_with_1(cli, files, tmp_path):
+    mm.Key(b"another key of thirty-two bytes!").save(tmp_path / "b.key")
+    assert cli("extract", files.marked, "--key", tmp_path / "b.key").code == 1
+
+
+def test_extract_that_cannot_tell_exits_with_3(cli, files, monkeypatch):
+    from dataclasses import replace
+
+    import meshmark.schemes.ncdg_lv as scheme
+
+    sure = scheme.extract(mm.read_mesh(files.marked), mm.Key.load(files.key))
+    unsure = replace(sure, presence="inconclusive", id=None, advice="The model is too small.")
+    monkeypatch.setattr(scheme, "extract", lambda *_, **__: unsure)
+    ran = cli("extract", files.marked, "--key", files.key)
+    assert ran.code == 3
+    assert ran.out.startswith("Inconclusive")
+    assert "too small" in ran.out
+
+
+def test_compare_gives_the_fields_of_the_contract(cli, files):
+    ran = cli("compare", files.model, files.marked, "--json")
+    fields = only_object(ran.out)
+    assert (ran.code, ran.err) == (0, "")
+    assert fields.keys() >= COMPARE
+    assert fields["rms_over_diagonal"] == pytest.approx(files.printed["rms_over_diagonal"], rel=1e-6)
+    assert fields["psnr_db"] == pytest.approx(files.printed["psnr_db"], abs=1e-4)
+    assert "PSNR" in cli("compare", files.model, files.marked).out
+
+
+def test_compare_of_equal_models_is_json_without_infinity(cli, files):
+    fields = only_object(cli("compare", files.model, files.model, "--json").out)
+    assert (fields["rms_over_diagonal"], fields["max_over_diagonal"], fields["psnr_db"]) == (0.0, 0.0, None)
+    assert "infinite" in cli("compare", files.model, files.model).out
+
+
+def test_compare_of_other_vertex_counts_says_null(cli, files, tmp_path):
+    (tmp_path / "t.off").write_text("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
+    ran = cli("compare", files.model, tmp_path / "t.off", "--json")
+    assert ran.code == 0
+    assert only_object(ran.out)["max_over_diagonal"] is None
+    assert "25,178" in cli("compare", files.model, tmp_path / "t.off").out
+
+
+def test_saliency_gives_the_fields_of_the_contract_and_a_picture(cli, files, tmp_path):
+    ran = cli("saliency", files.model, "--picture", tmp_path / "s.png", "--json")
+    fields = only_object(ran.out)
+    assert (ran.code, ran.err) == (0, "")
+    assert fields["vertices"] == 25178
+    assert fields["seconds"] > 0
+    assert all(0 <= point["vertex"] < 25178 and 0 <= point["beta"] <= 1 for point in fields["salient_points"])
+    assert _is_drawn(tmp_path / "s.png")
+    assert "salient points" in cli("saliency", files.model).out
+
+
+def test_segment_gives_the_fields_of_the_contract_and_a_picture(cli, files, tmp_path):
+    ran = cli("segment", files.model, "--picture", tmp_path / "s.png", "--json")
+    fields = only_object(ran.out)
+    assert (ran.code, ran.err) == (0, "")
+    assert fields["balance"] >= 1
+    for colour in ("green_share", "blue_share"):
+        assert sum(region[colour] for region in fields["regions"]) == pytest.approx(1, abs=1e-6)
+    assert all({"id", "salient_vertex"} <= region.keys() for region in fields["regions"])
+    assert _is_drawn(tmp_path / "s.png")
+    assert "balance" in cli("segment", files.model).out
+
+
+def test_info_counts(cli, files):
+    ran = cli("info", files.model, "--json")
+    fields = only_object(ran.out)
+    assert (ran.code, ran.err) == (0, "")
+    expected = {
+        "format": "ply",
+        "vertices": 25178,
+        "points": 25178,
+        "faces": 50360,
+        "parts": 1,
+        "closed": True,
+    }
+    assert {name: fields[name] for name in expected} == expected
+    assert "25,178" in cli("info", files.model).out
+
+
+@pytest.mark.shared
+@pytest.mark.parametrize("name", ["textured", "models/test"])
+def test_info_is_json_for_every_kind_of_file(cli, shared_data, name):
+    for path in sorted((shared_data / name).iterdir()):
+        if path.suffix in {".glb", ".gltf", ".obj", ".off", ".ply", ".stl"} and path.stat().st_size < 3e6:
+            ran = cli("info", path, "--json")
+            assert ran.code == 0, ran.err
+            only_object(ran.out)
+
+
+def _is_drawn(path: Path) -> bool:
+    with Image.open(path) as image:
+        return image.format == "PNG" and len(set(image.convert("L").resize((64, 64)).tobytes())) > 10

@@ -1,0 +1,72 @@
+"""`meshmark demo` does what it says, leaves its files, and never shows the key."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import meshmark as mm
+from meshmark.cli.demo import NOISE, SCALE, travelled
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("demo")
+
+
+def test_the_id_comes_back_from_the_changed_copy(cli, folder):
+    ran = cli("demo", "--out", folder)
+    assert ran.code == 0, ran
+    assert ran.err == ""
+    names = {"demo.key", "original.ply", "marked.ply", "changed.glb", "demo.png"}
+    assert {path.name for path in folder.iterdir()} == names
+    secret = (folder / "demo.key").read_text().splitlines()[1]
+    assert secret not in ran.out
+    (identity,) = set(re.findall(r"\bid ([0-9a-f]{16})\b", ran.out))
+    found = mm.extract(mm.read_mesh(folder / "changed.glb"), mm.Key.load(folder / "demo.key"))
+    assert f"{found.id:016x}" == identity
+    with Image.open(folder / "demo.png") as picture:
+        assert picture.width == 4 * 640
+
+
+def test_another_model_and_a_second_time_in_the_same_folder(cli, folder, tmp_path):
+    mm.write_mesh(mm.read_mesh(folder / "original.ply"), tmp_path / "other.v2.glb")
+    key = (folder / "demo.key").read_bytes()
+    ran = cli("demo", tmp_path / "other.v2.glb", "--out", folder)
+    assert ran.code == 0, ran
+    assert {"original.glb", "marked.glb", "changed.obj"} <= {path.name for path in folder.iterdir()}
+    assert (folder / "demo.key").read_bytes() == key
+
+
+def test_travelled_is_a_similarity_with_noise_of_the_stated_size_and_keeps_coincident_vertices():
+    hare = np.random.default_rng(1).normal(size=(500, 3))
+    mesh = mm.Mesh(np.concatenate([hare, hare[:100]]), [[0, 1, 2], [500, 3, 4]])
+    moved = travelled(mesh).vertices
+    assert np.array_equal(moved[:100], moved[500:])
+    a, b = hare - hare.mean(axis=0), moved[:500] - moved[:500].mean(axis=0)
+    u, sizes, v = np.linalg.svd(a.T @ b)
+    assert np.linalg.det(u @ v) > 0
+    assert sizes.sum() / np.square(a).sum() == pytest.approx(SCALE, rel=1e-3)
+    rest = b - SCALE * a @ (u @ v)
+    radius = np.linalg.norm(a, axis=1).mean()
+    assert 0 < np.abs(rest).max() < 2 * SCALE * NOISE * radius
+    assert np.array_equal(moved, travelled(mesh).vertices)
+
+
+@pytest.mark.parametrize(("presence", "code"), [("absent", 1), ("inconclusive", 3), ("present", 1)])
+def test_the_demo_fails_where_the_id_does_not_come_back(cli, folder, monkeypatch, presence, code):
+    import meshmark.report.demo as drawing
+    import meshmark.schemes.ncdg_lv as scheme
+
+    monkeypatch.setattr(drawing, "demo_picture", lambda *_: None)
+    true = scheme.extract(mm.read_mesh(folder / "changed.glb"), mm.Key.load(folder / "demo.key"))
+    wrong = replace(true, presence=presence, id=1 if presence == "present" else None)
+    monkeypatch.setattr(scheme, "extract", lambda *_, **__: wrong)
+    ran = cli("demo", "--out", folder)
+    assert ran.code == code
+    assert "did not come back" in ran.out

@@ -1,0 +1,126 @@
+"""How the program starts and how it ends."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+from meshmark.cli import main as program
+
+
+def python(code: str, **options):
+    return subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False, **options
+    )
+
+
+@pytest.mark.parametrize("line", [["--help"], ["embed", "--help"], ["--version"], ["keygen", "new.key"]])
+def test_help_and_keygen_load_nothing_heavy(tmp_path, line):
+    heavy = {"numpy", "scipy", "PIL", "rich"}
+    ran = python(
+        f"import sys; from meshmark.cli.main import main; code = main({line!r});"
+        f"print(code, sorted({heavy!r} & sys.modules.keys()), file=sys.stderr)",
+        cwd=tmp_path,
+    )
+    assert ran.stderr == "0 []\n"
+
+
+def test_import_meshmark_loads_nothing_heavy():
+    ran = python("import sys, meshmark; print(sorted({'numpy', 'scipy', 'typer'} & sys.modules.keys()))")
+    assert ran.stdout == "[]\n"
+
+
+def test_python_m_meshmark_is_the_command():
+    ran = subprocess.run(
+        [sys.executable, "-m", "meshmark", "--version"],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=True,
+    )
+    assert ran.stdout.startswith("meshmark ")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="POSIX pipes")
+@pytest.mark.parametrize("line", [["--help"], ["info", "--json"]])
+def test_a_closed_pipe_ends_the_program_quietly(files, line):
+    line = [*line, str(files.model)] if line[0] == "info" else line
+    read, write = os.pipe()
+    os.close(read)
+    ran = subprocess.run(
+        [sys.executable, "-m", "meshmark", *line],
+        stdout=write,
+        stderr=subprocess.PIPE,
+        timeout=60,
+        check=False,
+    )
+    os.close(write)
+    assert ran.returncode == 141
+    assert ran.stderr == b""
+
+
+def raising(error: BaseException):
+    def command(*_: object) -> int:
+        raise error
+
+    return command
+
+
+@pytest.mark.parametrize(
+    ("error", "code", "says"),
+    [
+        (KeyboardInterrupt(), 130, ""),
+        (MemoryError(), 2, "not enough memory"),
+        (ZeroDivisionError("division by zero"), 2, "bug in meshmark (ZeroDivisionError)"),
+        (RuntimeError("secret detail"), 2, "MESHMARK_DEBUG=1"),
+    ],
+)
+def test_unexpected_ends(cli, monkeypatch, files, error, code, says):
+    import meshmark.io
+
+    monkeypatch.delenv("MESHMARK_DEBUG", raising=False)
+    monkeypatch.setattr(meshmark.io, "read_mesh", raising(error))
+    ran = cli("info", files.model)
+    assert (ran.code, ran.out) == (code, "")
+    assert says in ran.err
+    assert len(ran.err.splitlines()) <= 1
+    assert "Traceback" not in ran.err
+    assert "secret detail" not in ran.err
+
+
+def test_the_traceback_of_a_bug_is_there_for_who_asks(cli, monkeypatch, files):
+    import meshmark.io
+
+    monkeypatch.setenv("MESHMARK_DEBUG", "1")
+    monkeypatch.setattr(meshmark.io, "read_mesh", raising(RuntimeError("detail")))
+    ran = cli("info", files.model)
+    assert ran.code == 2
+    assert "RuntimeError: detail" in ran.err
+
+
+def test_progress_is_drawn_on_a_terminal_only(monkeypatch, capsys):
+    import time
+
+    from meshmark.cli import progress
+
+    monkeypatch.setattr(progress, "_PATIENCE", 0.0)
+    monkeypatch.setattr(progress, "_REDRAW", 0.001)
+    with progress.progress("working"):
+        time.sleep(0.05)
+    assert capsys.readouterr().err == ""
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
+    with progress.progress("working"):
+        time.sleep(0.05)
+    drawn = capsys.readouterr().err
+    assert "working" in drawn
+    assert drawn.endswith("\r\x1b[K"), "the bar is wiped when the work ends"
+
+
+def test_every_command_has_a_one_line_summary():
+    for name, command in program.COMMANDS.items():
+        first = (command.__doc__ or "").splitlines()[0]
+        assert first.endswith("."), name
+        assert len(first) < 60, name
