@@ -104,17 +104,12 @@ def _largest_step(
 
     likeliest: the spacing is the first that an extraction reads, so reading it alone is all it would do.
     """
-    copies = np.bincount(surface.point_of_vertex, minlength=len(surface.points))
-    share = np.sqrt(copies / copies.sum())
-
     def affordable(step: float) -> bool:
-        return float(np.linalg.norm(shaping.displacement(step) * share)) <= BUDGET_SHARE * budget
+        return shaping.rms(step) <= BUDGET_SHARE * budget
 
     first = bisect_left(STEPS, True, key=affordable)
     for step in STEPS[first : first + STEP_TRIES]:
         points = shaping.shaped(float(step))
-        if points is None:
-            continue
         moved = (points != surface.points).any(axis=1)[surface.point_of_vertex]
         vertices = np.where(moved[:, None], points[surface.point_of_vertex], mesh.vertices)
         marked = mesh.with_vertices(conform(mesh, vertices))

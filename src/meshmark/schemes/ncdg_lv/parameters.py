@@ -17,6 +17,7 @@ __all__ = [
     "EMBED_SELECTION",
     "EXTRACT_SELECTION",
     "LONGEST_SAMPLE",
+    "LOST_ERROR",
     "MOMENT_GAP",
     "PRESENT_LOG10",
     "SOLVE_FRAME_TOLERANCE",
@@ -68,6 +69,8 @@ DECODE_LOG10: Final = -3.0
 SOLVE_PASSES: Final = 8
 SOLVE_TOLERANCE: Final = 0.03
 SOLVE_FRAME_TOLERANCE: Final = 1e-6
+# A cell further than this from its target, in steps, says nothing any more: a larger error is no worse.
+LOST_ERROR: Final = 0.25
 
 # "present" needs a false-positive bound below 10^this over everything that was tried.
 PRESENT_LOG10: Final = -6.0

@@ -16,12 +16,14 @@ from meshmark.carriers.quantisation import nearest_offsets
 from meshmark.carriers.selection import find_cells, select_cells
 from meshmark.coding.keys import Key
 from meshmark.coding.polar import Bits
+from meshmark.geometry.areas import vertex_areas
 from meshmark.geometry.frame import Frame
 from meshmark.geometry.sampling import plan_samples
 from meshmark.geometry.weld import Welded
 from meshmark.mesh import FloatArray
 from meshmark.schemes.ncdg_lv.bumps import FRAME_ROWS, Bumps, frame_values
 from meshmark.schemes.ncdg_lv.parameters import (
+    LOST_ERROR,
     EMBED_SELECTION,
     EXTRACT_SELECTION,
     LONGEST_SAMPLE,
@@ -55,33 +57,47 @@ class Shaping:
         """How many of the cells can be set, given how many vertices there are to move."""
         return min(self.capacity, len(self._cells.nodes))
 
-    def displacement(self, step: float) -> FloatArray:
-        """Return (p,): first-order lengths along the point normals, scene units, for this step in spacings."""
-        return self._bumps.displacement(self._frame_change, self._change(step)) * self._unit
+    def rms(self, step: float) -> float:
+        """Return the first-order RMS displacement in scene units, over vertices or over area: the larger.
 
-    def shaped(self, step: float) -> FloatArray | None:
-        """Return scene positions (p, 3) that carry the bits at this step; None where the solve fails.
-
-        Newton's method with the gradient of the start, which stays good as bumps are small against windows.
+        Where few vertices span most of the surface, a small mean over vertices could hide a large dent.
         """
-        cells = self._cells
-        target = cells.offset + self._change(step)
+        length = self._bumps.displacement(self._frame_change, self._change(step))
+        means = (length * length) @ np.column_stack([self._copies, self._areas])
+        return float(np.sqrt(means.max())) * self._unit
+
+    def shaped(self, step: float) -> FloatArray:
+        """Return scene positions (p, 3) that carry the bits at this step, as well as the surface lets them.
+
+        Newton's method with the gradient of the start, which stays good as bumps are small against windows. A
+        cell whose error grows, on an edge or a fold, is let go before it drags its neighbours along; the best
+        pass is kept.
+        """
+        change = self._change(step)
+        target = self._cells.offset + change
         wanted = np.zeros(FRAME_ROWS)
         wanted[3:6] = self._frame.moments
         wanted += self._frame_change
-        length = self._bumps.displacement(self._frame_change, self._change(step))
-        worst = np.inf
+        length = self._bumps.displacement(self._frame_change, change)
+        held = np.ones(len(target), dtype=bool)
+        previous = np.full(len(target), np.inf)
+        best, best_error = length, np.inf
         for _ in range(SOLVE_PASSES):
             placed = self._placed + length[:, None] * self._bumps.normals
-            error = target - self._offsets(placed)
+            error = (target - self._offsets(placed)) / step
             frame_error = wanted - frame_values(self._lattice.points(placed), self._surface.faces)
-            previous, worst = worst, float(np.abs(error).max())
-            if worst < SOLVE_TOLERANCE * step and np.abs(frame_error).max() < SOLVE_FRAME_TOLERANCE:
+            total = float(np.minimum(np.abs(error), LOST_ERROR).sum())
+            if total < best_error:
+                best, best_error = length, total
+            elif total > 2.0 * best_error:
                 break
-            if worst > previous:
-                return None
-            length = length + self._bumps.displacement(frame_error, error)
-        return self._surface.points + (length * self._unit)[:, None] * self._scene_normals
+            worst = np.abs(error[held]).max(initial=0.0)
+            if worst < SOLVE_TOLERANCE and np.abs(frame_error).max() < SOLVE_FRAME_TOLERANCE:
+                break
+            held &= (np.abs(error) < SOLVE_TOLERANCE) | (np.abs(error) < previous)
+            previous = np.abs(error)
+            length = length + self._bumps.displacement(frame_error, np.where(held, error, 0.0) * step)
+        return self._surface.points + (best * self._unit)[:, None] * self._scene_normals
 
     @property
     def _unit(self) -> float:
@@ -94,6 +110,18 @@ class Shaping:
     @cached_property
     def _bumps(self) -> Bumps:
         return Bumps(self._sampler, self._samples, self._candidates, self._placed, self._lattice)
+
+    @cached_property
+    def _copies(self) -> FloatArray:
+        """Share of the file's vertices that each point stands for (p,)."""
+        copies = np.bincount(self._surface.point_of_vertex, minlength=len(self._surface.points))
+        return np.asarray(copies / copies.sum())
+
+    @cached_property
+    def _areas(self) -> FloatArray:
+        """Share of the surface that each point stands for (p,)."""
+        areas = vertex_areas(self._surface.points, self._surface.faces)
+        return areas / areas.sum()
 
     @cached_property
     def _cells(self) -> Cells:

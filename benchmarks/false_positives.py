@@ -1,0 +1,68 @@
+"""Extractions that must find nothing: unmarked models under random keys, marked models under wrong keys.
+
+python -m benchmarks.false_positives [--trials 2000] [--workers 2] [--folders models/test psb/test]
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import sys
+from collections import Counter
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+
+import numpy as np
+from benchmarks.models import load, model_paths
+
+from meshmark.coding.keys import Key
+from meshmark.errors import MeshmarkError
+from meshmark.mesh import Mesh
+from meshmark.schemes.ncdg_lv import embed, extract
+
+
+def run_model(path: Path, trials: int) -> list[tuple[str, str, float]]:
+    """Return (kind, presence, log10 bound) of each trial on one model: half unmarked, half marked."""
+    seed = hashlib.sha256(path.name.encode()).digest()
+    random = np.random.default_rng(int.from_bytes(seed[:8], "big"))
+    try:
+        mesh = load(path)
+    except MeshmarkError:
+        return []
+    marked: Mesh | None = None
+    try:
+        marked = embed(mesh, Key(random.bytes(32)), 1).mesh
+    except MeshmarkError:
+        pass  # refused: all its trials are of the unmarked model
+    rows = []
+    for trial in range(trials):
+        kind, suspect = ("wrong key", marked) if trial % 2 and marked is not None else ("unmarked", mesh)
+        found = extract(suspect, Key(random.bytes(32)))
+        rows.append((kind, found.presence, found.log10_false_positive))
+    return rows
+
+
+def main() -> int:
+    """Run and print; exit 1 where anything was found present."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--folders", nargs="+", default=["models/test", "psb/test"])
+    parser.add_argument("--trials", type=int, default=2000)
+    parser.add_argument("--workers", type=int, default=2)
+    arguments = parser.parse_args()
+    paths = list(model_paths(*arguments.folders))
+    each = -(-arguments.trials // len(paths)) + 1
+    with ProcessPoolExecutor(arguments.workers) as pool:
+        rows = [row for part in pool.map(run_model, paths, [each] * len(paths)) for row in part]
+    for (kind, presence), count in sorted(Counter(row[:2] for row in rows).items()):
+        print(f"{kind:10s} {presence:13s} {count}")
+    bounds = np.sort([row[2] for row in rows])
+    print(f"{len(rows)} trials; smallest log10 bounds {np.round(bounds[:5], 2)}")
+    for level in (-1.0, -2.0, -3.0):
+        print(f"share with a bound below 10^{level:.0f}: {np.mean(bounds < level):.5f}")
+    present = sum(row[1] == "present" for row in rows)
+    print(f"present: {present} (95 % upper bound of the rate {3.0 / len(rows):.1e} where 0)")
+    return int(present > 0)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
