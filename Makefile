@@ -4,29 +4,35 @@ VENV := .venv
 BIN := $(VENV)/bin
 export OMP_NUM_THREADS ?= 1
 
-.PHONY: setup demo test check bench clean
+.PHONY: help setup demo test check docs bench clean
 
-setup: $(VENV)/.stamp
+help:  ## list the targets
+	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /: /'
+
+setup: $(VENV)/.stamp  ## make .venv with the package and all tools in it
 
 $(VENV)/.stamp: pyproject.toml constraints.txt
-	$(PYTHON) -c 'import sys; sys.exit(0 if sys.version_info >= (3, 11) else "meshmark needs Python 3.11 or newer; set PYTHON=")'
-	$(PYTHON) -m venv $(VENV)
+	@$(PYTHON) -c 'import sys; sys.exit(0 if sys.version_info >= (3, 11) else "meshmark needs Python 3.11 or newer: make PYTHON=python3.12 ...")'
+	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV) || { rm -rf $(VENV); echo "cannot make a virtual environment (on Debian and Ubuntu: apt install python3-venv)"; exit 1; }
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[dev]"
 	@touch $@
 
-demo: setup
+demo: setup  ## the whole way on one model, into demo-out/
 	$(BIN)/meshmark demo --out demo-out
 
-test: setup
+test: setup  ## all tests
 	$(BIN)/python -m pytest
 
-check: setup
+check: setup  ## style and types
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
-bench: setup
+docs: setup  ## write docs/cli.md from the program's own help
+	$(BIN)/python tools/make_cli_docs.py
+
+bench: setup  ## the measurements; needs ../shared/data
 	$(BIN)/python -m benchmarks
 
-clean:
-	rm -rf $(VENV) demo-out .pytest_cache .mypy_cache .ruff_cache
+clean:  ## remove what the other targets made
+	rm -rf $(VENV) demo-out bench-out .pytest_cache .mypy_cache .ruff_cache .hypothesis

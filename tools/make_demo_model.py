@@ -1,6 +1,6 @@
 """Make the model that `meshmark demo` marks: src/meshmark/data/hare.ply.gz. The same bytes on every run.
 
-    .venv/bin/python tools/make_demo_model.py [OUT.ply.gz]
+.venv/bin/python tools/make_demo_model.py [OUT.ply.gz]
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+
 from demo_model import hare
 from demo_model.solids import Array
 from demo_model.surface import Faces, extract, gradient, settle
@@ -44,7 +45,8 @@ def check(faces: Faces) -> None:
 def ply(vertices: Array, faces: Faces, colours: Array) -> bytes:
     """Return a binary PLY file: float positions, colours, triangles."""
     header = (
-        "ply\nformat binary_little_endian 1.0\ncomment The meshmark hare, made by tools/make_demo_model.py, MIT\n"
+        "ply\nformat binary_little_endian 1.0\n"
+        "comment The meshmark hare, made by tools/make_demo_model.py, MIT\n"
         f"element vertex {len(vertices)}\nproperty float x\nproperty float y\nproperty float z\n"
         "property uchar red\nproperty uchar green\nproperty uchar blue\n"
         f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n"

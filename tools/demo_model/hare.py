@@ -38,10 +38,28 @@ def body(p: Array) -> Array:
         d = join(d, limb(p, at(0.23 * side, 0.92, 0.34), at(0.19 * side, 0.14, 0.60), 0.19, 0.105), 0.12)
         d = join(d, ellipsoid(p, at(0.19 * side, 0.09, 0.68), at(0.125, 0.10, 0.19)), 0.07)
         for toe in (-1.0, 1.0):
-            d = carve(d, limb(p, at(0.19 * side + 0.05 * toe, 0.14, 0.80), at(0.19 * side + 0.05 * toe, 0.02, 0.92),
-                              0.001, 0.004), 0.10)
-            d = carve(d, limb(p, at(0.54 * side + 0.05 * toe, 0.16, 0.48), at(0.54 * side + 0.05 * toe, 0.02, 0.62),
-                              0.001, 0.004), 0.10)
+            d = carve(
+                d,
+                limb(
+                    p,
+                    at(0.19 * side + 0.05 * toe, 0.14, 0.80),
+                    at(0.19 * side + 0.05 * toe, 0.02, 0.92),
+                    0.001,
+                    0.004,
+                ),
+                0.10,
+            )
+            d = carve(
+                d,
+                limb(
+                    p,
+                    at(0.54 * side + 0.05 * toe, 0.16, 0.48),
+                    at(0.54 * side + 0.05 * toe, 0.02, 0.62),
+                    0.001,
+                    0.004,
+                ),
+                0.10,
+            )
     return join(d, ellipsoid(p, at(0.02, 0.46, -1.12), at(0.21, 0.23, 0.21)), 0.10)
 
 
@@ -53,7 +71,9 @@ def head(p: Array) -> Array:
     for side in (-1.0, 1.0):
         d = join(d, ellipsoid(q, at(0.16 * side, -0.13, 0.22), at(0.19, 0.19, 0.22)), 0.12)
         d = join(d, ellipsoid(q, at(0.075 * side, -0.115, 0.52), at(0.095, 0.085, 0.10)), 0.05)
-        d = carve(d, ellipsoid(q, at(0.315 * side, 0.075, 0.235), at(0.07, 0.10, 0.115), turn(y=20 * side)), 0.08)
+        d = carve(
+            d, ellipsoid(q, at(0.315 * side, 0.075, 0.235), at(0.07, 0.10, 0.115), turn(y=20 * side)), 0.08
+        )
     d = carve(d, limb(q, at(0, -0.10, 0.66), at(0, -0.20, 0.60), 0.008, 0.02), 0.05)
     return join(d, ellipsoid(q, at(0, -0.045, 0.60), at(0.075, 0.05, 0.05)), 0.03)
 
@@ -61,7 +81,9 @@ def head(p: Array) -> Array:
 def eyes(p: Array) -> Array:
     """Return the distance to the eyes."""
     q = (p - HEAD) @ HEAD_TURN
-    return np.minimum(*(np.linalg.norm(q - at(0.262 * side, 0.065, 0.225), axis=-1) - 0.098 for side in (-1.0, 1.0)))
+    return np.minimum(
+        *(np.linalg.norm(q - at(0.262 * side, 0.065, 0.225), axis=-1) - 0.098 for side in (-1.0, 1.0))
+    )
 
 
 def _ear_curve(points: list[Array]) -> Array:
@@ -72,10 +94,28 @@ def _ear_curve(points: list[Array]) -> Array:
 
 # One ear upright, the other with its tip folded over.
 EARS = (
-    (_ear_curve([_on_head(0.19, 0.20, -0.07), _on_head(0.22, 0.62, -0.16), _on_head(0.36, 1.00, -0.26),
-                 _on_head(0.30, 1.38, -0.30)]), at(-0.05, 0.05, 1.0)),
-    (_ear_curve([_on_head(-0.19, 0.20, -0.07), _on_head(-0.20, 0.70, -0.22), _on_head(-0.38, 1.28, -0.24),
-                 _on_head(-0.78, 0.98, 0.06)]), at(0.05, 0.05, 1.0)),
+    (
+        _ear_curve(
+            [
+                _on_head(0.19, 0.20, -0.07),
+                _on_head(0.22, 0.62, -0.16),
+                _on_head(0.36, 1.00, -0.26),
+                _on_head(0.30, 1.38, -0.30),
+            ]
+        ),
+        at(-0.05, 0.05, 1.0),
+    ),
+    (
+        _ear_curve(
+            [
+                _on_head(-0.19, 0.20, -0.07),
+                _on_head(-0.20, 0.70, -0.22),
+                _on_head(-0.38, 1.28, -0.24),
+                _on_head(-0.78, 0.98, 0.06),
+            ]
+        ),
+        at(0.05, 0.05, 1.0),
+    ),
 )
 _T = np.linspace(0.0, 1.0, EAR_KNOTS)
 EAR_WIDTH = 0.10 + 0.115 * np.sin(np.pi * np.clip(0.06 + 0.90 * _T, 0, 1)) ** 0.9 - 0.05 * _T
@@ -149,9 +189,15 @@ def colour(p: Array, normals: Array) -> Array:
     paws = np.maximum(_step(p[:, 1], 0.26, 0.10), 0.0) * _step(p[:, 2], 0.15, 0.45)
     out = _mix(coat, pale, np.maximum(below, 0.75 * paws))
     out = _paint_ears(out, p, normals)
-    out = _mix(out, _rgb(0xC98277), _step(np.linalg.norm((q - at(0, -0.04, 0.635)) / at(1.3, 1, 1), axis=1), 0.075, 0.05))
+    out = _mix(
+        out,
+        _rgb(0xC98277),
+        _step(np.linalg.norm((q - at(0, -0.04, 0.635)) / at(1.3, 1, 1), axis=1), 0.075, 0.05),
+    )
     out = _mix(out, _rgb(0x17110E), _step(eyes(p), 0.022, 0.008))
-    glint = np.min([np.linalg.norm(q - at(0.30 * side + 0.02, 0.125, 0.285), axis=1) for side in (-1.0, 1.0)], axis=0)
+    glint = np.min(
+        [np.linalg.norm(q - at(0.30 * side + 0.02, 0.125, 0.285), axis=1) for side in (-1.0, 1.0)], axis=0
+    )
     out = _mix(out, _rgb(0xFFFFFF), _step(glint, 0.045, 0.02))
     moss = _mix(_rgb(0x55702F), _rgb(0x93A64E), np.clip(0.5 + 0.9 * noise(p * 3.0, 23), 0, 1))
     moss = _mix(moss, _rgb(0x6E5B45), _step(normals[:, 1], 0.15, -0.2))
@@ -166,8 +212,10 @@ def _paint_ears(out: Array, p: Array, normals: Array) -> Array:
         nearest = apart.argmin(axis=1)
         on = (apart.min(axis=1) < 0.30) & (ears(p) < 0.03) & (nearest > 1)
         tip = np.maximum(tip, on * _step(nearest + 0.0, 8.5, 11.5))
-        hollow = np.maximum(hollow, on * _step(normals @ (HEAD_TURN @ facing), 0.25, 0.65)
-                            * _step(apart.min(axis=1), 0.16, 0.08))
+        hollow = np.maximum(
+            hollow,
+            on * _step(normals @ (HEAD_TURN @ facing), 0.25, 0.65) * _step(apart.min(axis=1), 0.16, 0.08),
+        )
     out = _mix(out, _rgb(0xDDA392), 0.85 * hollow)
     return _mix(out, _rgb(0x3A2A20), 0.85 * tip)
 

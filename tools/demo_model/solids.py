@@ -39,7 +39,7 @@ def limb(p: Array, a: Array, b: Array, ra: float, rb: float) -> Array:
 
 
 def leaf(p: Array, curve: Array, out: Array, width: Array, thickness: Array, cup: float) -> Array:
-    """Return the distance to a flat, cupped leaf along a curve (n, 3); `out` (n, 3) points to its hollow side."""
+    """Return the distance to a cupped leaf along a curve (n, 3); `out` (n, 3) points to its hollow side."""
     best = np.full(p.shape[:-1], np.inf)
     t = np.zeros(p.shape[:-1])
     for i in range(len(curve) - 1):

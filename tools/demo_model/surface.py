@@ -15,12 +15,14 @@ Solid = Callable[[Array], Array]
 
 
 def extract(solid: Solid, low: Array, high: Array, cell: float) -> tuple[Array, Faces]:
-    """Return the surface of a solid inside a box by surface nets: one vertex per grid cell that it crosses."""
+    """Return the surface of a solid inside a box by surface nets: a vertex per grid cell that it crosses."""
     counts = np.ceil((high - low) / cell).astype(int) + 1
     axes = [low[k] + cell * np.arange(counts[k]) for k in range(3)]
     inside = _inside(solid, np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1), cell)
-    corners = [inside[a : counts[0] - 1 + a, b : counts[1] - 1 + b, c : counts[2] - 1 + c]
-               for a, b, c in np.ndindex(2, 2, 2)]
+    corners = [
+        inside[a : counts[0] - 1 + a, b : counts[1] - 1 + b, c : counts[2] - 1 + c]
+        for a, b, c in np.ndindex(2, 2, 2)
+    ]
     full = np.sum(corners, axis=0)
     crossed = (full > 0) & (full < 8)
     number = np.full(crossed.shape, -1)
@@ -32,7 +34,9 @@ def extract(solid: Solid, low: Array, high: Array, cell: float) -> tuple[Array, 
         change = near != inside.take(range(1, counts[axis]), axis)
         at = np.argwhere(change)
         u, v = np.eye(3, dtype=int)[(axis + 1) % 3], np.eye(3, dtype=int)[(axis + 2) % 3]
-        ring = np.stack([number[tuple((at - du * u - dv * v).T)] for du, dv in ((1, 1), (0, 1), (0, 0), (1, 0))], 1)
+        ring = np.stack(
+            [number[tuple((at - du * u - dv * v).T)] for du, dv in ((1, 1), (0, 1), (0, 0), (1, 0))], 1
+        )
         ring[~near[tuple(at.T)]] = ring[~near[tuple(at.T)], ::-1]
         quads.append(ring)
     quad = np.concatenate(quads)
@@ -52,7 +56,7 @@ def _inside(solid: Solid, grid: Array, cell: float) -> NDArray[np.bool_]:
 
 
 def gradient(solid: Solid, p: Array, step: float) -> Array:
-    """Return the unit gradient of a signed distance, (n, 3), by differences between a tetrahedron's corners."""
+    """Return the unit gradient of a signed distance, (n, 3), by differences over a tetrahedron."""
     corners = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
     out = sum(solid(p + step * corner)[:, None] * corner for corner in corners)
     return out / np.maximum(np.linalg.norm(out, axis=1, keepdims=True), 1e-12)

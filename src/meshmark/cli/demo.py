@@ -29,7 +29,7 @@ SCALE, SEED = 2.5, 2026
 def demo(
     model: Annotated[
         Path | None,
-        typer.Argument(metavar="[MODEL]", help="Model to use instead of the hare that comes along."),
+        typer.Argument(metavar="MODEL", help="Model to use instead of the hare that comes along."),
     ] = None,
     out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder for the files.")] = Path(
         "meshmark-demo"
