@@ -52,8 +52,8 @@ def _words(found: Extraction, model: Path) -> str:
         chance = f"chance of a false alarm below 10^{found.log10_false_positive:.0f}"
         return f"Present: {model} carries the id {format_id(found.id)}; {chance}. {found.advice}"
     start = {
-        "present": f"Present: {model} carries a mark of this key, but its id cannot be read.",
-        "absent": f"Absent: no mark of this key was found in {model}.",
-        "inconclusive": f"Inconclusive: {model} may or may not carry a mark of this key.",
+        "present": f"Present in {model}, but the id cannot be read.",
+        "absent": f"Absent from {model}.",
+        "inconclusive": f"Inconclusive for {model}.",
     }[found.presence]
     return f"{start} {found.advice}"
