@@ -15,8 +15,8 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
 
 import numpy as np
-from benchmarks.models import SIZE_CLASSES, load, model_paths, size_class
 
+from benchmarks.models import SIZE_CLASSES, load, model_paths, size_class
 from meshmark.coding.keyed import rotation
 from meshmark.coding.keys import Key
 from meshmark.errors import MeshmarkError
@@ -43,12 +43,12 @@ def shuffle(mesh: Mesh, random: np.random.Generator) -> Mesh:
     return Mesh(mesh.vertices[order], np.take_along_axis(faces, (starts + np.arange(3)) % 3, axis=1))
 
 
-def float32(mesh: Mesh, random: np.random.Generator) -> Mesh:
+def float32(mesh: Mesh, _: np.random.Generator) -> Mesh:
     """Round coordinates to single precision."""
     return Mesh(mesh.vertices.astype(np.float32).astype(np.float64), mesh.faces)
 
 
-def midpoint(mesh: Mesh, random: np.random.Generator) -> Mesh:
+def midpoint(mesh: Mesh, _: np.random.Generator) -> Mesh:
     """Split every triangle into four at its edges' midpoints."""
     edges = np.sort(mesh.faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
     unique, inverse = np.unique(edges, axis=0, return_inverse=True)
@@ -62,7 +62,7 @@ def midpoint(mesh: Mesh, random: np.random.Generator) -> Mesh:
 def through(extension: str) -> Variant:
     """Convert to a format and read that file."""
 
-    def convert(mesh: Mesh, random: np.random.Generator) -> Mesh:
+    def convert(mesh: Mesh, _: np.random.Generator) -> Mesh:
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / f"model{extension}"
             write_mesh(mesh, path)
@@ -72,7 +72,7 @@ def through(extension: str) -> Variant:
 
 
 VARIANTS: dict[str, Variant] = {
-    "none": lambda mesh, random: mesh,
+    "none": lambda mesh, _: mesh,
     "similarity": similarity,
     "shuffle": shuffle,
     "float32": float32,
@@ -146,7 +146,11 @@ def report(rows: list[dict[str, object]], strength: str) -> int:
         rates = [sum(row.get(variant) is True for row in group) / len(group) for variant in VARIANTS]
         refused = sum(bool(row["note"]) for row in group)
         worst = max(float(str(row.get("rms", 0.0))) for row in group)
-        print(f"| {name} | {len(group)} | {refused} | {worst:.4f} |", " | ".join(f"{100 * r:.1f} %" for r in rates), "|")
+        print(
+            f"| {name} | {len(group)} | {refused} | {worst:.4f} |",
+            " | ".join(f"{100 * r:.1f} %" for r in rates),
+            "|",
+        )
         bar = {"> 20,000": 1.0, "5,000-20,000": 0.95, "2,500-5,000": 0.95}.get(name, 0.0)
         missed += min(rates) < bar
     return int(missed > 0)

@@ -21,8 +21,8 @@ from time import perf_counter
 
 import numpy as np
 import trimesh
-from benchmarks.models import DATA, load
 
+from benchmarks.models import DATA, load
 from meshmark.coding.keys import Key
 from meshmark.io import read_mesh, write_mesh
 from meshmark.schemes.ncdg_lv import extract
@@ -95,7 +95,9 @@ def main() -> None:
         folder = Path(name)
         rows = [measure(MODELS[0], folder, repeats), *(measure(model, folder, 1) for model in MODELS[1:])]
         growth = np.log(np.array(rows)[-1] / np.array(rows)[0])
-        print(f"growth from first to last: embed n^{growth[1] / growth[0]:.2f}, extract n^{growth[2] / growth[0]:.2f}")
+        print(
+            f"growth from first to last: embed n^{growth[1] / growth[0]:.2f}, extract n^{growth[2] / growth[0]:.2f}"
+        )
         for step in ("embed", "extract"):
             print(f"peak memory of {step} at {rows[-1][0]} points: {peak(step, folder):.2f} GB")
 

@@ -6,6 +6,7 @@ python -m benchmarks.false_positives [--trials 2000] [--workers 2] [--folders mo
 from __future__ import annotations
 
 import argparse
+import contextlib
 import hashlib
 import sys
 from collections import Counter
@@ -13,8 +14,8 @@ from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 import numpy as np
-from benchmarks.models import load, model_paths
 
+from benchmarks.models import load, model_paths
 from meshmark.coding.keys import Key
 from meshmark.errors import MeshmarkError
 from meshmark.mesh import Mesh
@@ -30,10 +31,8 @@ def run_model(path: Path, trials: int) -> list[tuple[str, str, float]]:
     except MeshmarkError:
         return []
     marked: Mesh | None = None
-    try:
+    with contextlib.suppress(MeshmarkError):  # refused: all its trials are of the unmarked model
         marked = embed(mesh, Key(random.bytes(32)), 1).mesh
-    except MeshmarkError:
-        pass  # refused: all its trials are of the unmarked model
     rows = []
     for trial in range(trials):
         kind, suspect = ("wrong key", marked) if trial % 2 and marked is not None else ("unmarked", mesh)

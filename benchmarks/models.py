@@ -14,7 +14,13 @@ from meshmark.mesh import Mesh
 __all__ = ["DATA", "SIZE_CLASSES", "load", "model_paths", "size_class"]
 
 DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
-SIZE_CLASSES = ((0, "< 500"), (500, "500-2,500"), (2500, "2,500-5,000"), (5000, "5,000-20,000"), (20001, "> 20,000"))
+SIZE_CLASSES = (
+    (0, "< 500"),
+    (500, "500-2,500"),
+    (2500, "2,500-5,000"),
+    (5000, "5,000-20,000"),
+    (20001, "> 20,000"),
+)
 
 
 def model_paths(*folders: str) -> Iterator[Path]:

@@ -29,7 +29,9 @@ def test_moments_of_a_square_plate():
 
 def test_moments_belong_to_the_surface_not_to_its_triangles():
     points, faces = pebble(24)
-    for one, other in zip(surface_moments(points, faces), surface_moments(*split(points, faces)), strict=True):
+    for one, other in zip(
+        surface_moments(points, faces), surface_moments(*split(points, faces)), strict=True
+    ):
         np.testing.assert_allclose(one, other, rtol=1e-12, atol=1e-14)
 
 

@@ -13,9 +13,13 @@ def test_samples_add_up_to_the_surface(longest):
     points, faces = pebble(16)
     samples = plan_samples(points, faces, longest)(points)
     assert samples.areas.sum() == pytest.approx(face_areas(points, faces).sum())
-    np.testing.assert_allclose(samples.vectors.sum(axis=0), area_vectors(points, faces).sum(axis=0), atol=1e-12)
+    np.testing.assert_allclose(
+        samples.vectors.sum(axis=0), area_vectors(points, faces).sum(axis=0), atol=1e-12
+    )
     middle = points[faces].mean(axis=1)
-    np.testing.assert_allclose(samples.areas @ samples.positions, face_areas(points, faces) @ middle, atol=1e-12)
+    np.testing.assert_allclose(
+        samples.areas @ samples.positions, face_areas(points, faces) @ middle, atol=1e-12
+    )
 
 
 def test_finer_samples_converge_to_the_integral_of_a_smooth_function():

@@ -1,0 +1,1 @@
+"""Carriers of code bits: lattice cells, their barycentre statistic, and its quantisation."""

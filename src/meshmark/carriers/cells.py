@@ -27,7 +27,7 @@ __all__ = ["Cells", "cell_gradient", "measure_cells"]
 
 PLANE_MASS = np.pi / 4.0  # integral of the window over a plane through its node
 POWER = 3
-_CORNERS = tuple(product((0, 1), repeat=3))
+_CORNERS = tuple((i, j, k) for i, j, k in product((0, 1), repeat=3))
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +72,7 @@ class _Grid:
 
     def number(self, nodes: IntArray) -> IntArray:
         i, j, k = (nodes - self.low).T
-        return (i * self.sizes[1] + j) * self.sizes[2] + k
+        return np.asarray((i * self.sizes[1] + j) * self.sizes[2] + k)
 
     def nodes(self, numbers: IntArray) -> IntArray:
         rest, k = np.divmod(numbers, self.sizes[2])

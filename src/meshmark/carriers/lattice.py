@@ -46,7 +46,10 @@ class Lattice:
         """The lattice of this spacing under `key`; each spacing has cells of its own."""
         purpose = f"lattice {spacing:.6f}"
         return cls(
-            spacing, rotation(key.subkey("lattice turn")), offset(key.subkey(purpose)), key.subkey(purpose + " cells")
+            spacing,
+            rotation(key.subkey("lattice turn")),
+            offset(key.subkey(purpose)),
+            key.subkey(purpose + " cells"),
         )
 
     def coordinates(self, points: FloatArray) -> FloatArray:

@@ -24,7 +24,9 @@ def find_cells(cells: Cells, nodes: IntArray) -> IntArray:
     """Return where in `cells` the integer coordinates `nodes` (n, 3) are; -1 for those no longer touched."""
     low = np.minimum(cells.nodes.min(axis=0), nodes.min(axis=0))
     sizes = np.maximum(cells.nodes.max(axis=0), nodes.max(axis=0)) - low + 1
-    known, wanted = ((part - low) @ np.array([sizes[1] * sizes[2], sizes[2], 1]) for part in (cells.nodes, nodes))
+    known, wanted = (
+        (part - low) @ np.array([sizes[1] * sizes[2], sizes[2], 1]) for part in (cells.nodes, nodes)
+    )
     order = np.argsort(known)
     place = np.minimum(np.searchsorted(known, wanted, sorter=order), len(known) - 1)
     found = order[place]

@@ -68,7 +68,8 @@ class Sampler:
         lengths[self.fine + 1] = 3
         corners = self.faces[self.fine].ravel()
         return sp.csc_array(
-            (np.full(len(corners), 1.0 / 3.0), corners, np.cumsum(lengths)), shape=(self.count, len(self.faces))
+            (np.full(len(corners), 1.0 / 3.0), corners, np.cumsum(lengths)),
+            shape=(self.count, len(self.faces)),
         )
 
     def normal_motion(self, samples: Samples, normals: FloatArray) -> sp.csr_array:

@@ -8,23 +8,25 @@ paper's T(n, alpha) = e^-alpha I_n(alpha) (eq. 4-5; DESIGN section 2).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
+from scipy.linalg.blas import daxpy
 from scipy.sparse import csr_array, diags_array
 from scipy.special import ive
 
 from meshmark.geometry.adjacency import adjacency
 from meshmark.mesh import FloatArray, IntArray
 
-__all__ = ["WalkWeights", "discrete_gaussian", "discrete_gaussian_sum", "random_walk"]
+__all__ = ["WalkWeights", "discrete_gaussian", "discrete_gaussian_sum", "random_walk", "terms"]
 
 WalkWeights = Literal["uniform", "inverse_length"]
 
 TOLERANCE = 1e-12
-BLOCK = 1 << 15
-"""Numbers handled together between two products: three such blocks stay in a core's cache."""
+BLOCK = 1 << 13
+"""Numbers handled together between two products. Three such blocks stay in a core's cache, and one is too small
+for BLAS to wake its threads."""
 
 
 def random_walk(points: FloatArray, edges: IntArray, weights: WalkWeights = "uniform") -> csr_array:
@@ -46,7 +48,7 @@ def random_walk(points: FloatArray, edges: IntArray, weights: WalkWeights = "uni
 
 
 def discrete_gaussian(
-    walk: csr_array, values: FloatArray, alphas: Sequence[float] | FloatArray, tolerance: float = TOLERANCE
+    walk: csr_array, values: FloatArray, alphas: ArrayLike, tolerance: float = TOLERANCE
 ) -> FloatArray:
     """Return (j, n, k): `values` (n, k) smoothed by `exp(-alpha (I - walk))` for each of j `alphas` >= 0.
 
@@ -57,17 +59,22 @@ def discrete_gaussian(
 
 
 def discrete_gaussian_sum(
-    walk: csr_array, values: FloatArray, alphas: Sequence[float] | FloatArray, tolerance: float = TOLERANCE
+    walk: csr_array, values: FloatArray, alphas: ArrayLike, tolerance: float = TOLERANCE
 ) -> FloatArray:
     """Return (n, k): the sum of `discrete_gaussian` over the scales, for the cost of the largest one."""
     total = _coefficients(alphas, tolerance).sum(axis=0, keepdims=True)
     return _chebyshev_sums(walk, values, total).reshape(np.shape(values))
 
 
-def _coefficients(alphas: Sequence[float] | FloatArray, tolerance: float) -> FloatArray:
+def terms(alphas: ArrayLike, tolerance: float = TOLERANCE) -> int:
+    """Return how many Chebyshev terms the scales need; one less is the number of sparse products."""
+    return len(_coefficients(alphas, tolerance).T)
+
+
+def _coefficients(alphas: ArrayLike, tolerance: float) -> FloatArray:
     """Return (j, terms): factors of T_0, T_1, ...; each row stops where what is left sums to < tolerance."""
     scales = np.atleast_1d(np.asarray(alphas, dtype=float))[:, None]
-    beyond = int(9.0 * np.sqrt(scales.max())) + 40  # past here the series is below 1e-16 for any alpha
+    beyond = int(8.5 * np.sqrt(scales.max())) + 16  # past here the series is below 1e-16 for any alpha
     factors = ive(np.arange(beyond), scales)
     factors[:, 1:] *= 2.0
     tail = np.cumsum(factors[:, ::-1], axis=1)[:, ::-1]
@@ -85,23 +92,18 @@ def _chebyshev_sums(walk: csr_array, values: FloatArray, factors: FloatArray) ->
     sums += np.multiply.outer(factors[:, 1], now)
     twice = csr_array((2.0 * walk.data, walk.indices, walk.indptr), shape=walk.shape)
     flat = sums.reshape(len(sums), -1)
-    scratch = np.empty(min(BLOCK, before.size))
     for column in factors.T[2:]:
         after = twice @ now
-        _subtract_and_add_up(after.reshape(-1), before.reshape(-1), column, flat, scratch)
+        _subtract_and_add_up(after.reshape(-1), before.reshape(-1), column, flat)
         before, now = now, after
     return sums
 
 
-def _subtract_and_add_up(
-    after: FloatArray, before: FloatArray, column: FloatArray, sums: FloatArray, scratch: FloatArray
-) -> None:
+def _subtract_and_add_up(after: FloatArray, before: FloatArray, column: FloatArray, sums: FloatArray) -> None:
     """`after -= before; sums[j] += column[j] * after`, block by block so that each number is fetched once."""
     for start in range(0, after.size, BLOCK):
         part = after[start : start + BLOCK]
         part -= before[start : start + BLOCK]
-        product = scratch[: part.size]
         for row, factor in zip(sums, column, strict=True):
             if factor:
-                np.multiply(part, factor, out=product)
-                row[start : start + BLOCK] += product
+                daxpy(part, row[start : start + BLOCK], a=factor)  # adds in place: both are float64 in a row

@@ -1,0 +1,1 @@
+"""Watermarking schemes; so far one, `ncdg_lv`."""

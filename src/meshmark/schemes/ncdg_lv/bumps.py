@@ -51,7 +51,7 @@ def frame_gradient(points: FloatArray, faces: IntArray, normals: FloatArray) -> 
         value = points[:, i] * points[:, j]
         slope = points[:, i] * normals[:, j] + points[:, j] * normals[:, i]
         rows.append(growth * (value - (areas @ value) / total) + areas * slope)
-    return np.array(rows) / total
+    return np.asarray(np.array(rows) / total)
 
 
 def _area_growth(points: FloatArray, faces: IntArray, normals: FloatArray) -> FloatArray:

@@ -104,6 +104,7 @@ def _largest_step(
 
     likeliest: the spacing is the first that an extraction reads, so reading it alone is all it would do.
     """
+
     def affordable(step: float) -> bool:
         return shaping.rms(step) <= BUDGET_SHARE * budget
 
@@ -150,9 +151,11 @@ def _finish(
 
 
 def _advice(carriers: int, points: int, strength: str) -> str:
-    stronger = {"subtle": "use --strength standard", "standard": "use --strength strong"}
-    hint = stronger.get(strength, "a finer mesh of the same shape would do")
-    return (
+    text = (
         f"the model cannot carry 64 bits at strength {strength}: it needs about {CARRIER_MINIMUM} carriers, "
-        f"has {carriers} ({points} points); {hint}"
+        f"has {carriers} ({points} points)"
     )
+    if carriers < CARRIER_MINIMUM:
+        return f"{text}; no strength helps where there are too few points, or faces that point every way"
+    stronger = {"subtle": "; use --strength standard", "standard": "; use --strength strong"}
+    return f"{text}, but not within this strength's budget{stronger.get(strength, '')}"

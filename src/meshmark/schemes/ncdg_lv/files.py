@@ -40,5 +40,7 @@ def embed_file(
             )
 
     report = write_mesh(result.mesh, out, verify=read_back)
-    remarks = (f"{Path(out).name} cannot hold the model's {', '.join(report.dropped)}",) if report.dropped else ()
+    remarks = (
+        (f"{Path(out).name} cannot hold the model's {', '.join(report.dropped)}",) if report.dropped else ()
+    )
     return replace(result, remarks=remarks)

@@ -20,6 +20,7 @@ __all__ = [
     "LOST_ERROR",
     "MOMENT_GAP",
     "PRESENT_LOG10",
+    "SLOW_SOLVE",
     "SOLVE_FRAME_TOLERANCE",
     "SOLVE_PASSES",
     "SOLVE_TOLERANCE",
@@ -51,7 +52,7 @@ SPACING_ORDER: Final = (0, 1, 2, 3, -1, 4, 5, -2)
 STEPS: Final = 0.24 * 2.0 ** (-np.arange(25) / 4.0)
 
 # So many steps are tried from the largest affordable one down.
-STEP_TRIES: Final = 4
+STEP_TRIES: Final = 3
 
 # A sample of the surface is no longer than this share of a spacing (quadrature error below 0.003 spacings).
 LONGEST_SAMPLE: Final = 0.25
@@ -69,6 +70,8 @@ DECODE_LOG10: Final = -3.0
 SOLVE_PASSES: Final = 8
 SOLVE_TOLERANCE: Final = 0.03
 SOLVE_FRAME_TOLERANCE: Final = 1e-6
+# A pass that leaves more than this share of the best error so far is the last.
+SLOW_SOLVE: Final = 0.9
 # A cell further than this from its target, in steps, says nothing any more: a larger error is no worse.
 LOST_ERROR: Final = 0.25
 

@@ -15,6 +15,7 @@ from meshmark.coding.keys import Key
 from meshmark.geometry.frame import canonical_frame, frame_alternatives
 from meshmark.geometry.sampling import Samples, plan_samples
 from meshmark.geometry.weld import Welded
+from meshmark.mesh import FloatArray
 from meshmark.schemes.ncdg_lv.parameters import (
     CARRIER_READABLE,
     EXTRACT_SELECTION,
@@ -22,7 +23,6 @@ from meshmark.schemes.ncdg_lv.parameters import (
     STEPS,
     preferred_spacings,
 )
-from meshmark.mesh import FloatArray
 
 __all__ = ["Reading", "read_cells", "readings"]
 
@@ -52,7 +52,8 @@ def readings(
 ) -> Iterator[Reading]:
     """Yield a reading for each spacing and frame alternative with enough cells, likeliest first.
 
-    wide: also with axes of nearly equal moments exchanged. spacings: those to read; by default all that an embedding may have chosen.
+    wide: also with axes of nearly equal moments exchanged.
+    spacings: those to read; by default all that an embedding may have chosen.
     """
     frame = canonical_frame(surface.points, surface.faces)
     canonical = frame.to_canonical(surface.points)
@@ -64,7 +65,7 @@ def readings(
             turn = frame.axes.T @ other.axes
             cells, keys = read_cells(samples, lattice, turn, code_length)
             if len(cells.nodes) < CARRIER_READABLE:
-                continue
+                break  # about as many whichever way the lattice lies
             tried += len(STEPS)
             yield _at_best_step(cells, keys, tried)
 

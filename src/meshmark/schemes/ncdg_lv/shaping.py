@@ -23,11 +23,12 @@ from meshmark.geometry.weld import Welded
 from meshmark.mesh import FloatArray
 from meshmark.schemes.ncdg_lv.bumps import FRAME_ROWS, Bumps, frame_values
 from meshmark.schemes.ncdg_lv.parameters import (
-    LOST_ERROR,
     EMBED_SELECTION,
     EXTRACT_SELECTION,
     LONGEST_SAMPLE,
+    LOST_ERROR,
     MOMENT_GAP,
+    SLOW_SOLVE,
     SOLVE_FRAME_TOLERANCE,
     SOLVE_PASSES,
     SOLVE_TOLERANCE,
@@ -87,9 +88,10 @@ class Shaping:
             error = (target - self._offsets(placed)) / step
             frame_error = wanted - frame_values(self._lattice.points(placed), self._surface.faces)
             total = float(np.minimum(np.abs(error), LOST_ERROR).sum())
+            slow = total > SLOW_SOLVE * best_error
             if total < best_error:
                 best, best_error = length, total
-            elif total > 2.0 * best_error:
+            if slow:
                 break
             worst = np.abs(error[held]).max(initial=0.0)
             if worst < SOLVE_TOLERANCE and np.abs(frame_error).max() < SOLVE_FRAME_TOLERANCE:
@@ -121,7 +123,7 @@ class Shaping:
     def _areas(self) -> FloatArray:
         """Share of the surface that each point stands for (p,)."""
         areas = vertex_areas(self._surface.points, self._surface.faces)
-        return areas / areas.sum()
+        return np.asarray(areas / areas.sum())
 
     @cached_property
     def _cells(self) -> Cells:
