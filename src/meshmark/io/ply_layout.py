@@ -60,7 +60,7 @@ def _uniform(element: Element, data: PlyData, begin: int) -> tuple[Columns, int]
     for entry in element.properties:
         if entry.count is not None and element.rows:
             heads = rows + (offsets[entry.name] - data.width(entry.count))
-            if (data.values(heads, entry.count) != counts[entry.name]).any():
+            if not _all_equal(data, heads, entry, counts[entry.name]):
                 return None
     places = {entry.name: rows + offsets.get(entry.name, 0) for entry in element.properties}
     sizes = {
@@ -69,6 +69,16 @@ def _uniform(element: Element, data: PlyData, begin: int) -> tuple[Columns, int]
         if entry.count is not None
     }
     return Columns(element, places, sizes), end
+
+
+def _all_equal(data: PlyData, heads: IntArray, entry: Property, size: int) -> bool:
+    if entry.count is None:
+        return False
+    try:
+        return bool((data.values(heads, entry.count) == size).all())
+    except FormatError:
+        # In a text, what stands there need not even be a whole number: the rows are not alike.
+        return False
 
 
 def _row_by_row(element: Element, data: PlyData, place: int) -> tuple[Columns, int]:

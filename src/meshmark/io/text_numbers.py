@@ -66,7 +66,8 @@ def parse_floats(text: ByteArray, starts: IntArray, ends: IntArray, finite: bool
 
 
 def parse_ints(text: ByteArray, starts: IntArray, ends: IntArray) -> IntArray:
-    """Return the (k,) whole numbers in the spans, ascending; numbers beyond 64 bits saturate.
+    """Return the (k,) whole numbers in the spans, ascending; numbers beyond 64 bits
+    give one at the end of their range.
 
     Raises `FormatError` with the line of the first span that is not a whole number.
     """

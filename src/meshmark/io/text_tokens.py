@@ -109,15 +109,13 @@ def token_blocks(
 
 
 def _block_end(data: bytes, offset: int, continued: bool) -> int:
-    end = offset + _BLOCK
-    while end < len(data):
-        last = data.rfind(b"\n", offset, end)
-        last = last if last >= 0 else data.rfind(b"\r", offset, end)
+    for reach in range(offset + _BLOCK, len(data), _BLOCK):
+        last = data.rfind(b"\n", offset, reach)
+        last = last if last >= 0 else data.rfind(b"\r", offset, reach)
         if last >= 0:
             end = last + (2 if data[last : last + 2] == b"\r\n" else 1)
-            if not (continued and data[offset:end].rstrip(b"\r\n").endswith(b"\\")):
+            if not (continued and data[offset:end].endswith((b"\\\n", b"\\\r", b"\\\r\n"))):
                 return end
-        end += _BLOCK
     return len(data)
 
 
