@@ -1,0 +1,122 @@
+"""OBJ: index forms, side files, attributes at seams, and what is refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from text_samples import SAMPLES
+
+from meshmark.errors import FormatError
+from meshmark.io.obj import parse_obj
+
+POINTS = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
+
+
+def parse(data: bytes, path: Path = Path("model.obj")):  # type: ignore[no-untyped-def]
+    return parse_obj(data, path)
+
+
+def test_every_form_of_corner() -> None:
+    lines = b"f 1 2 3\nf 1/1 2/1 4/1\nf 1//1 2//1 3//1\nf 1/1/1 2/1/1 4/1/1\nf 1/ 2// 3/1/\nf -4 -3 -1\n"
+    faces = parse(POINTS + b"vt 0 0\nvn 0 0 1\n" + lines).faces.tolist()
+    assert faces == [[0, 1, 2], [0, 1, 3], [0, 1, 2], [0, 1, 3], [0, 1, 2], [0, 1, 3]]
+
+
+def test_negative_indices_count_from_the_face() -> None:
+    data = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\nv 9 9 9\nf -4 -3 -2\nf 1 2 4\n"
+    assert parse(data).faces.tolist() == [[0, 1, 2], [0, 1, 2], [0, 1, 3]]
+
+
+def test_rich_file() -> None:
+    document = parse(SAMPLES["obj"].data)
+    assert document.faces.tolist() == [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
+    facts = document.summary()
+    assert (facts["groups"], facts["materials"], facts["texture_coordinates"], facts["normals"]) == (
+        2,
+        1,
+        2,
+        1,
+    )
+
+
+@pytest.mark.parametrize(
+    ("data", "says"),
+    [
+        (b"", "no 'v' lines"),
+        (b"hello world\n", "no 'v' lines"),
+        (POINTS, "no faces"),
+        (POINTS + b"p 1\nl 1 2\n", "no faces"),
+        (POINTS + b"f 1 2\n", "no faces"),
+        (POINTS + b"f 1 2 5\n", "line 5 has the corner '5', but 4 vertices are defined"),
+        (POINTS + b"f 1 2 0\n", "line 5 has the corner '0'"),
+        (POINTS + b"f 1 2 -5\n", "line 5 has the corner '-5'"),
+        (POINTS + b"f 1 2 99999999999999999999\n", "line 5 has the corner"),
+        (POINTS + b"f 1 2 x\n", "line 5 has 'x' where a whole number is expected"),
+        (POINTS + b"f 1 2 3.0\n", "line 5 has '3.0'"),
+        (POINTS + b"f 1 2 /3\n", "line 5 has ''"),
+        (POINTS + b"f 1/1/1/1 2 3\n", "expected up to three indices"),
+        (POINTS + b"f\n", "line 5: a face without corners"),
+        (POINTS + b"v 1 2\nf 1 2 3\n", "line 5: 'v' has 2 numbers, expected 3"),
+        (POINTS + b"v 1 two 3\nf 1 2 3\n", "line 5 has 'two' where a number is expected"),
+        (POINTS + b"v 1 inf 3\nf 1 2 3\n", "line 5 has 'inf' where a finite number is expected"),
+        (POINTS + b"f 1 \\\n2 \\\n7\n", "line 7 has the corner '7'"),
+        (b"\xff\xfev\0", "UTF-16"),
+    ],
+)
+def test_what_breaks_the_format_is_refused_in_one_sentence(data: bytes, says: str) -> None:
+    with pytest.raises(FormatError) as caught:
+        parse(data)
+    assert says in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_seams_keep_every_corner() -> None:
+    data = POINTS + b"vt 0 0\nvt 1 0\nvt 0 1\nvt 0.5 0.5\nf 1/1 2/2 3/3\nf 1/4 3/3 4/1\nf 2/2 1/4 4/1\n"
+    document = parse(data)
+    found = document.attributes()
+    assert found.seams is not None
+    assert found.texcoords is not None
+    points, faces = found.seams
+    assert points.tolist() == [0, 0, 1, 2, 3]
+    np.testing.assert_array_equal(points[faces], document.faces)
+    table = np.array([[0, 0], [1, 0], [0, 1], [0.5, 0.5]])
+    np.testing.assert_array_equal(found.texcoords[faces], table[[[0, 1, 2], [3, 2, 0], [1, 3, 0]]])
+
+
+def test_attributes_without_seams_are_per_vertex() -> None:
+    data = POINTS + b"v 5 5 5\nvn 0 0 1\nvn 1 0 0\nf 2//1 1//2 3//1\nf 2//1 3//1 4//2\n"
+    found = parse(data).attributes()
+    assert found.seams is None
+    assert found.normals is not None
+    assert found.normals[:4].tolist() == [[1, 0, 0], [0, 0, 1], [0, 0, 1], [1, 0, 0]]
+
+
+def test_what_no_other_format_keeps_is_named() -> None:
+    other = parse(SAMPLES["obj"].data).attributes().other
+    assert {"objects", "groups", "smoothing groups", "materials", "lines", "points"} <= set(other)
+    assert "texture coordinates of some faces" in other
+    partial_colors = parse(POINTS + b"v 1 1 1 0.5 0.5 0.5\nf 1 2 3\n").attributes()
+    assert partial_colors.colors is None
+    assert "vertex colours of some vertices" in partial_colors.other
+
+
+def test_vertex_colours() -> None:
+    colors = parse(SAMPLES["obj colours"].data).attributes().colors
+    assert colors is not None
+    assert colors.tolist() == [[26, 51, 76, 255]] * 4
+
+
+def test_material_files_are_found_but_only_inside_the_folder(tmp_path: Path) -> None:
+    home = tmp_path / "home"
+    (home / "maps").mkdir(parents=True)
+    (tmp_path / "secret.mtl").write_text("newmtl x\n")
+    (home / "with space.mtl").write_text(
+        "newmtl a\nmap_Kd -s 1 1 1 maps/skin.png\nbump ..\\..\\secret.png\nmap_Ks gone.png\n"
+    )
+    (home / "maps" / "skin.png").write_bytes(b"png")
+    (home / "link.mtl").symlink_to(tmp_path / "secret.mtl")
+    data = b"mtllib with space.mtl\nmtllib ../secret.mtl\nmtllib /etc/passwd\nmtllib link.mtl\nmtllib\n"
+    document = parse(data + POINTS + b"f 1 2 3\n", home / "model.obj")
+    assert document.side_files() == (home / "with space.mtl", home / "maps" / "skin.png")

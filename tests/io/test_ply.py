@@ -1,0 +1,232 @@
+"""PLY: both binary orders, types, layouts, and what is refused."""
+
+from __future__ import annotations
+
+import struct
+from pathlib import Path
+
+import numpy as np
+import pytest
+from text_samples import SAMPLES
+
+from meshmark.errors import FormatError, InputError
+from meshmark.io.ply import parse_ply
+
+POINTS = np.array([[0, 0, 0], [1.5, 0, 0], [0, 2.25, 0], [0, 0, -3]])
+FACES = ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3))
+TYPES = {
+    "char": "b",
+    "uchar": "B",
+    "int16": "h",
+    "ushort": "H",
+    "int": "i",
+    "uint": "I",
+    "float": "f",
+    "double": "d",
+}
+
+
+def parse(data: bytes):  # type: ignore[no-untyped-def]
+    return parse_ply(data, Path("model.ply"))
+
+
+def build(
+    order: str, kinds: tuple[str, str, str], *, lists: bool = False, polygons: bool = False
+) -> tuple[bytes, list[int]]:
+    """Return a binary PLY file with extra properties and elements, and the offsets of its coordinates."""
+    name = {"<": "binary_little_endian", ">": "binary_big_endian"}[order]
+    header = ["ply", f"format {name} 1.0", "comment element vertex 9", "obj_info x", "element camera 2"]
+    header += ["property list uchar ushort view", "property double gain", f"element vertex {len(POINTS)}"]
+    header += ["property uchar red", f"property {kinds[2]} z", f"property {kinds[0]} x"]
+    header += ["property list int double tags"] * lists + [f"property {kinds[1]} y", "property float nx"]
+    faces = [(0, 2, 1, 3), (0, 1, 3)] if polygons else list(FACES)
+    header += [
+        f"element face {len(faces)}",
+        "property list uchar int vertex_indices",
+        "property uchar red",
+        "end_header",
+        "",
+    ]
+    data = bytearray("\n".join(header).encode())
+    for view in ((1, 2), (3,)):
+        data += struct.pack(f"{order}B{len(view)}Hd", len(view), *view, 0.5)
+    offsets = []
+    for row, (x, y, z) in enumerate(POINTS):
+        data += bytes([7])
+        spots = {}
+        for axis, value in (("z", z), ("x", x), ("y", y)):
+            if axis == "y" and lists:
+                data += struct.pack(f"{order}i{row}d", row, *[9.5] * row)
+            kind = TYPES[kinds["xyz".index(axis)]]
+            spots[axis] = len(data)
+            data += struct.pack(order + kind, value if kind in "fd" else int(value))
+        offsets += [spots[axis] for axis in "xyz"]
+        data += struct.pack(order + "f", -0.5)
+    for face in faces:
+        data += struct.pack(f"{order}B{len(face)}iB", len(face), *face, 200)
+    return bytes(data), offsets
+
+
+@pytest.mark.parametrize("order", "<>")
+@pytest.mark.parametrize(
+    "kinds",
+    [("float", "float", "float"), ("double",) * 3, ("float", "double", "int16"), ("int", "char", "int")],
+)
+@pytest.mark.parametrize("lists", [False, True])
+@pytest.mark.parametrize("polygons", [False, True])
+def test_binary(order: str, kinds: tuple[str, str, str], lists: bool, polygons: bool) -> None:
+    data, offsets = build(order, kinds, lists=lists, polygons=polygons)
+    document = parse(data)
+    whole = [TYPES[kind] not in "fd" for kind in kinds]
+    np.testing.assert_array_equal(document.vertices, np.where(whole, np.trunc(POINTS), POINTS))
+    assert document.faces.tolist() == (
+        [[0, 2, 1], [0, 1, 3], [0, 1, 3]] if polygons else [list(f) for f in FACES]
+    )
+    assert document.patched(document.vertices, "a")["a"] == data
+    moved = document.vertices + np.pi / 3
+    written = document.patched(moved, "a")["a"]
+    conformed = document.conform(moved)
+    np.testing.assert_array_equal(document.conform(conformed), conformed)
+    expected = bytearray(data)
+    for offset, value, kind in zip(offsets, moved.ravel().tolist(), kinds * len(POINTS), strict=True):
+        code = TYPES[kind]
+        struct.pack_into(order + code, expected, offset, value if code in "fd" else round(value))
+    assert written == bytes(expected)
+    np.testing.assert_array_equal(parse(written).vertices, conformed)
+
+
+def test_one_moved_coordinate_changes_one_number() -> None:
+    data, offsets = build("<", ("float",) * 3)
+    document = parse(data)
+    moved = document.vertices.copy()
+    moved[2, 1] = 7
+    written = document.patched(moved, "a")["a"]
+    assert [k for k in range(len(data)) if data[k] != written[k]] <= list(range(offsets[7], offsets[7] + 4))
+
+
+@pytest.mark.parametrize("ending", ["\n", "\r\n", "\r"])
+def test_headers_of_any_line_ending(ending: str) -> None:
+    data, _ = build("<", ("float",) * 3)
+    head, body = data.split(b"end_header\n")
+    other = head.replace(b"\n", ending.encode()) + b"end_header" + ending.encode() + body
+    np.testing.assert_array_equal(parse(other).vertices, parse(data).vertices)
+    # The data may begin with a byte that looks like a line end.
+    old_mac = other.replace(b"element camera 2" + ending.encode(), b"element camera 0" + ending.encode())
+    assert other != old_mac
+
+
+def test_data_that_begin_like_a_line_end() -> None:
+    header = "ply\rformat binary_little_endian 1.0\relement vertex 3\rproperty uchar x\rproperty uchar y\rproperty uchar z\r"
+    header += "element face 1\rproperty list uchar uchar vertex_index\rend_header\r"
+    data = header.encode() + bytes([10, 0, 0, 1, 0, 0, 0, 1, 0, 3, 0, 1, 2])
+    assert parse(data).vertices.tolist() == [[10, 0, 0], [1, 0, 0], [0, 1, 0]]
+
+
+def test_whole_number_coordinates_in_text_stay_whole() -> None:
+    header = "ply\nformat ascii 1.0\nelement vertex 3\nproperty int x\nproperty int y\nproperty int z\n"
+    data = (
+        header
+        + "element face 1\nproperty list uchar int vertex_index\nend_header\n0 0 0\n10 0 0\n0 10 0\n3 0 1 2\n"
+    ).encode()
+    document = parse(data)
+    moved = document.vertices + 0.6
+    assert document.conform(moved).tolist() == [[1, 1, 1], [11, 1, 1], [1, 11, 1]]
+    assert document.patched(moved, "a")["a"].endswith(b"end_header\n1 1 1\n11 1 1\n1 11 1\n3 0 1 2\n")
+
+
+def test_beyond_the_range_of_the_type() -> None:
+    for kinds, value in ((("float",) * 3, 1e39), (("char",) * 3, 200.0)):
+        document = parse(build("<", kinds)[0])
+        with pytest.raises(InputError, match="beyond the range"):
+            document.conform(document.vertices + value)
+
+
+def test_attributes() -> None:
+    header = "ply\nformat ascii 1.0\nelement vertex 3\n"
+    header += "".join(f"property float {name}\n" for name in "x y z nx ny nz s t quality".split())
+    header += "".join(f"property uchar {name}\n" for name in "red green blue".split())
+    header += "element face 1\nproperty list uchar int vertex_index\nproperty uchar red\nelement edge 1\nproperty int vertex1\nend_header\n"
+    rows = "".join(f"{k} {k * k} 0 0 0 1 0.5 {k} 9 1 2 {k}\n" for k in range(3))
+    found = parse((header + rows + "3 0 1 2 5\n0\n").encode()).attributes()
+    assert found.normals is not None
+    assert found.texcoords is not None
+    assert found.colors is not None
+    assert found.normals.tolist() == [[0, 0, 1]] * 3
+    assert found.texcoords.tolist() == [[0.5, 0], [0.5, 1], [0.5, 2]]
+    assert found.colors.tolist() == [[1, 2, 0, 255], [1, 2, 1, 255], [1, 2, 2, 255]]
+    assert found.other == ("vertex property quality", "face property red", "element edge")
+
+
+def test_strips_are_decoded() -> None:
+    assert parse(SAMPLES["ply strips"].data).faces.tolist() == [[0, 1, 2], [2, 1, 3], [3, 2, 1]]
+
+
+HEAD = b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+FACE = b"element face 1\nproperty list uchar int vertex_indices\n"
+BODY = b"end_header\n0 0 0\n1 0 0\n0 1 0\n"
+
+
+@pytest.mark.parametrize(
+    ("data", "says"),
+    [
+        (b"ply\n", "no line 'end_header'"),
+        (b"plyx\nend_header\n", "does not start with a line 'ply'"),
+        (b"ply\nelement vertex 1\nend_header\n", "no line 'format'"),
+        (b"ply\nformat ascii 2.0\nend_header\n", "expected 'format ascii 1.0'"),
+        (b"ply\nformat binary_middle_endian 1.0\nend_header\n", "expected 'format ascii 1.0'"),
+        (b"ply\nformat ascii 1.0\nelement vertex many\nend_header\n", "expected 'element NAME COUNT'"),
+        (b"ply\nformat ascii 1.0\nelement vertex -3\nend_header\n", "expected 'element NAME COUNT'"),
+        (b"ply\nformat ascii 1.0\nelement vertex 4000000000\nend_header\n", "more than the file can hold"),
+        (
+            b"ply\nformat ascii 1.0\nelement vertex " + b"9" * 5000 + b"\nend_header\n",
+            "more than the file can hold",
+        ),
+        (b"ply\nformat ascii 1.0\nproperty float x\nend_header\n", "before any element"),
+        (HEAD.replace(b"float z", b"quad z") + FACE + BODY, "with a known type"),
+        (HEAD.replace(b"float z", b"list float float z") + FACE + BODY, "counts a list in float"),
+        (HEAD.replace(b"float z", b"list uchar float z") + FACE + BODY, "more than the file can hold"),
+        (HEAD + b"element vertex 3\n" + FACE + BODY, "declares an element twice"),
+        (
+            HEAD.replace(b"float z", b"float y") + FACE + BODY + b"3 0 1 2\n",
+            "no element 'vertex' with properties x, y and z",
+        ),
+        (HEAD.replace(b"vertex 3", b"vertex 0") + FACE + b"end_header\n3 0 1 2\n", "no element 'vertex'"),
+        (HEAD + BODY, "no faces"),
+        (HEAD + FACE.replace(b"face 1", b"face 0") + BODY, "no faces"),
+        (HEAD + FACE.replace(b"vertex_indices", b"corners") + BODY + b"3 0 1 2\n", "no faces"),
+        (HEAD + FACE + BODY, "the data end before a list"),
+        (HEAD + FACE + BODY + b"3 0 1\n", "the data end within the 1 rows of 'face'"),
+        (HEAD + FACE + BODY + b"3 0 1 2 3\n", "1 numbers follow"),
+        (HEAD + FACE + BODY + b"3 0 1 3\n", "refers to vertex 3"),
+        (HEAD + FACE + BODY + b"-3 0 1 2\n", "declares -3 members"),
+        (HEAD + FACE + BODY + b"3 0 1 x\n", "has 'x' where a whole number is expected"),
+        (HEAD + FACE + BODY + b"three 0 1 2\n", "'three' where a list length is expected"),
+        (HEAD + FACE.replace(b"int vertex", b"float vertex") + BODY + b"3 0 1 2\n", "expected whole ones"),
+        (HEAD + FACE + BODY.replace(b"1 0 0", b"1 nan 0") + b"3 0 1 2\n", "line 11 has 'nan'"),
+        (HEAD + FACE + BODY.replace(b"1 0 0", b"1 x 0") + b"3 0 1 2\n", "line 11 has 'x'"),
+        (b"\xff\xfep\0", "does not start"),
+    ],
+)
+def test_what_breaks_the_format_is_refused_in_one_sentence(data: bytes, says: str) -> None:
+    with pytest.raises(FormatError) as caught:
+        parse(data)
+    assert says in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_truncated_binary_is_refused_at_every_length() -> None:
+    for lists, polygons in ((False, False), (True, True)):
+        data, _ = build("<", ("float",) * 3, lists=lists, polygons=polygons)
+        for size in range(len(data)):
+            with pytest.raises(FormatError):
+                parse(data[:size])
+        with pytest.raises(FormatError, match="1 bytes follow"):
+            parse(data + b"\0")
+
+
+def test_binary_not_finite() -> None:
+    data, offsets = build("<", ("float",) * 3)
+    broken = bytearray(data)
+    struct.pack_into("<f", broken, offsets[5], float("inf"))
+    with pytest.raises(FormatError, match="vertex 1 has a coordinate that is not a finite number"):
+        parse(bytes(broken))
