@@ -101,7 +101,9 @@ def test_one_moved_coordinate_changes_one_number() -> None:
     moved = document.vertices.copy()
     moved[2, 1] = 7
     written = document.patched(moved, "a")["a"]
-    assert [k for k in range(len(data)) if data[k] != written[k]] <= list(range(offsets[7], offsets[7] + 4))
+    changed = {k for k in range(len(data)) if data[k] != written[k]}
+    assert changed
+    assert changed <= set(range(offsets[7], offsets[7] + 4))
 
 
 @pytest.mark.parametrize("ending", ["\n", "\r\n", "\r"])
@@ -184,10 +186,11 @@ BODY = b"end_header\n0 0 0\n1 0 0\n0 1 0\n"
         (b"ply\nformat ascii 1.0\nproperty float x\nend_header\n", "before any element"),
         (HEAD.replace(b"float z", b"quad z") + FACE + BODY, "with a known type"),
         (HEAD.replace(b"float z", b"list float float z") + FACE + BODY, "counts a list in float"),
-        (HEAD.replace(b"float z", b"list uchar float z") + FACE + BODY, "more than the file can hold"),
+        (HEAD.replace(b"float z", b"list uchar float z") + FACE + BODY + b"3 0 1 2\n", "is a list"),
         (HEAD + b"element vertex 3\n" + FACE + BODY, "declares an element twice"),
+        (HEAD.replace(b"float z", b"float y") + FACE + BODY, "declares a property of 'vertex' twice"),
         (
-            HEAD.replace(b"float z", b"float y") + FACE + BODY + b"3 0 1 2\n",
+            HEAD.replace(b"float z", b"float w") + FACE + BODY + b"3 0 1 2\n",
             "no element 'vertex' with properties x, y and z",
         ),
         (HEAD.replace(b"vertex 3", b"vertex 0") + FACE + b"end_header\n3 0 1 2\n", "no element 'vertex'"),

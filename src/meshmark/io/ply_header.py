@@ -73,6 +73,8 @@ class PlyHeader:
 
 def parse_header(data: bytes) -> PlyHeader:
     """Read the header of a PLY file. Raises `FormatError` where it breaks the format."""
+    if not data.startswith(b"ply"):
+        raise FormatError("the file does not start with a line 'ply'")
     order: str | None = None
     elements: list[tuple[str, int, list[Property]]] = []
     for number, found in enumerate(_LINE.finditer(data), 1):
@@ -109,6 +111,9 @@ def _header(
     names = [name for name, _, _ in elements]
     if len(set(names)) != len(names):
         raise FormatError("the header declares an element twice")
+    for name, _, properties in elements:
+        if len({entry.name for entry in properties}) != len(properties):
+            raise FormatError(f"the header declares a property of '{name[:40]}' twice")
     return PlyHeader(order, tuple(Element(name, rows, tuple(all_)) for name, rows, all_ in elements), size)
 
 
