@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -66,11 +66,12 @@ def write_mesh(mesh: Mesh, path: str | Path, verify: Callable[[Path], None] | No
     else:
         files, dropped = _converted(mesh, entry, path.name)
     main = files.pop(path.name)
-    if source is not None:
-        _check_neighbours(source, files, target)
     try:
+        present = _present(files, target)
         files |= {name: origin.read_bytes() for name, origin in copies.items() if name not in files}
-        return WriteReport(_move_into_place({target: main, **_beside(target, files)}, verify), dropped)
+        places = {target: main, **_beside(target, files)}
+        _move_into_place(places, present, verify)
+        return WriteReport(tuple(places), dropped)
     except OSError as error:
         raise OutputError(f"cannot write {error.filename or path}: {error.strerror or error}") from None
 
@@ -105,20 +106,23 @@ def _checked_target(path: Path, source: SourceFile | None) -> Path:
     return target
 
 
-def _check_neighbours(source: SourceFile, files: Mapping[str, bytes], target: Path) -> None:
-    """Refuse to write a second file over one that belongs to the input.
+def _present(files: Mapping[str, bytes], target: Path) -> set[Path]:
+    """Return the second files that are there already with this very content.
 
-    In the input's own folder, an existing file may be replaced only where its name is OUT's own.
+    Another model may use an existing file of another content: it is replaced only where it is OUT's, by its name or
+    because OUT is replaced too. Raises `InputError` for any other.
     """
-    if not files or not target.parent.samefile(source.path.parent):
-        return
-    stem = target.name.split(".")[0]
-    for name in files:
-        if (target.parent / name).exists() and not name.startswith(stem):
+    present = set()
+    for name, data in files.items():
+        place = target.parent / name
+        if place.is_file() and place.stat().st_size == len(data) and place.read_bytes() == data:
+            present.add(place)
+        elif place.exists() and not (target.exists() or name.startswith(target.name.split(".")[0])):
             raise InputError(
-                f"cannot write {target.name} here: it would replace {name}, which {source.path.name} "
-                "may need; choose another folder"
+                f"cannot write {target.name} here: it would replace {name}, which another model may need; "
+                "choose another folder"
             )
+    return present
 
 
 def _side_copies(source: SourceFile, folder: Path) -> dict[str, Path]:
@@ -177,14 +181,15 @@ def _beside(target: Path, files: Mapping[str, bytes]) -> dict[Path, bytes]:
     return beside
 
 
-def _move_into_place(files: Mapping[Path, bytes], verify: Callable[[Path], None] | None) -> tuple[Path, ...]:
-    """Write every file into a temporary folder beside its place, then move all, the first one last."""
+def _move_into_place(
+    files: Mapping[Path, bytes], present: Collection[Path], verify: Callable[[Path], None] | None
+) -> None:
+    """Write every file into a temporary folder, then move all that are not `present`, the first one last."""
     target, *_ = files
     with tempfile.TemporaryDirectory(
         prefix=f".{target.name[:80]}.", suffix=".tmp", dir=target.parent
     ) as name:
-        stage = Path(name)
-        staged = {place: stage / place.relative_to(target.parent) for place in files}
+        staged = {place: Path(name) / place.relative_to(target.parent) for place in files}
         for place, data in files.items():
             staged[place].parent.mkdir(parents=True, exist_ok=True)
             with staged[place].open("xb") as stream:
@@ -194,5 +199,5 @@ def _move_into_place(files: Mapping[Path, bytes], verify: Callable[[Path], None]
         if verify is not None:
             verify(staged[target])
         for place in reversed(list(files)):
-            staged[place].replace(place)
-    return tuple(files)
+            if place not in present:
+                staged[place].replace(place)

@@ -31,6 +31,7 @@ from meshmark.schemes.ncdg_lv.parameters import (
 )
 from meshmark.schemes.ncdg_lv.results import Embedding, Extraction
 from meshmark.schemes.ncdg_lv.shaping import Shaping
+from meshmark.schemes.ncdg_lv.threads import on_one_thread
 
 __all__ = ["embed"]
 
@@ -42,6 +43,7 @@ class _Attempt:
     found: Extraction
 
 
+@on_one_thread
 def embed(
     mesh: Mesh, key: Key, id: int | None = None, strength: str = "standard", layers: str = "ownership"
 ) -> Embedding:

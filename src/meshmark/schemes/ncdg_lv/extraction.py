@@ -18,12 +18,14 @@ from meshmark.mesh import Mesh
 from meshmark.schemes.ncdg_lv.parameters import DECODE_LOG10, PRESENT_LOG10
 from meshmark.schemes.ncdg_lv.reading import Reading, readings
 from meshmark.schemes.ncdg_lv.results import Extraction
+from meshmark.schemes.ncdg_lv.threads import on_one_thread
 
 __all__ = ["SEARCHES", "extract"]
 
 SEARCHES = ("quick", "wide")
 
 
+@on_one_thread
 def extract(
     mesh: Mesh, key: Key, search: str = "quick", spacings: Sequence[float] | None = None
 ) -> Extraction:
