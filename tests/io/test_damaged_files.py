@@ -1,0 +1,99 @@
+"""Damaged files: whatever the bytes, a reader gives a document that keeps its promises or one sentence."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, example, given, settings
+from hypothesis import strategies as st
+from test_ply import build
+from test_stl import binary
+from text_samples import SAMPLES
+
+from meshmark.errors import InputError
+from meshmark.io.formats import detect_format
+
+GOOD = {name: (sample.suffix, sample.data) for name, sample in SAMPLES.items()}
+GOOD |= {
+    "ply little": (".ply", build("<", ("float", "double", "int16"), polygons=True)[0]),
+    "ply big with lists": (".ply", build(">", ("float",) * 3, lists=True)[0]),
+    "stl binary": (".stl", binary()),
+}
+TOKENS = [
+    b"0",
+    b"-1",
+    b"1e308",
+    b"-1e-320",
+    b"nan",
+    b"9" * 30,
+    b"\r",
+    b"\n",
+    b"#",
+    b"\\\n",
+    b"/",
+    b"\0",
+    b"\xff",
+    b"v",
+    b"f 1",
+]
+edits = st.lists(
+    st.tuples(st.floats(0, 1), st.integers(0, 12), st.binary(max_size=3) | st.sampled_from(TOKENS)),
+    min_size=1,
+    max_size=4,
+)
+
+
+def check(data: bytes, suffix: str) -> None:
+    """Read; if that succeeds, save unmoved and moved, and read again."""
+    path = Path("model" + suffix)
+    try:
+        document = detect_format(data, path).parse(data, path)
+    except InputError as error:
+        assert "\n" not in str(error)
+        assert len(str(error)) < 300
+        return
+    assert document.patched(document.vertices, "a") == {"a": data}
+    assert np.isfinite(document.vertices).all()
+    assert document.faces.min() >= 0
+    assert document.faces.max() < len(document.vertices)
+    moved = np.clip(document.vertices, -1e300, 1e300) * 1.0000123 + 1e-9
+    try:
+        conformed = document.conform(moved)
+    except InputError as error:
+        assert "beyond the range" in str(error)
+        return
+    written = document.patched(moved, "a")["a"]
+    again = detect_format(written, path).parse(written, path)
+    np.testing.assert_array_equal(again.vertices, conformed)
+    np.testing.assert_array_equal(again.faces, document.faces)
+    np.testing.assert_array_equal(document.conform(conformed), conformed)
+
+
+@pytest.mark.parametrize("name", GOOD)
+@settings(max_examples=60, suppress_health_check=[HealthCheck.too_slow], deadline=None)
+@given(changes=edits)
+def test_small_damage(name: str, changes: list[tuple[float, int, bytes]]) -> None:
+    suffix, data = GOOD[name]
+    for place, length, new in changes:
+        begin = int(place * len(data))
+        data = data[:begin] + new + data[begin + length :]
+    check(data, suffix)
+
+
+@pytest.mark.parametrize("name", ["off", "obj", "ply", "stl", "stl binary"])
+def test_truncation_at_every_byte(name: str) -> None:
+    suffix, data = GOOD[name]
+    for size in range(0, len(data), 1 + len(data) // 150):
+        check(data[:size], suffix)
+
+
+@settings(max_examples=150, deadline=None)
+@given(data=st.binary(max_size=300), suffix=st.sampled_from([".off", ".obj", ".ply", ".stl", ""]))
+@example(data=b"OFF\n1 1 1\n", suffix=".off")
+@example(data=b"solid" + b"\n" * 20_000, suffix=".stl")
+@example(data=b"#" * 20_000, suffix=".obj")
+@example(data=b"ply\n" * 5_000, suffix=".ply")
+def test_any_bytes(data: bytes, suffix: str) -> None:
+    check(data, suffix)

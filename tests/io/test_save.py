@@ -1,0 +1,272 @@
+"""Saving: complete or absent, the input untouched, conversions that say what they drop."""
+
+from __future__ import annotations
+
+import os
+import resource
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from text_samples import SAMPLES
+
+from meshmark.errors import InputError, OutputError
+from meshmark.io import FORMATS, conform, read_mesh, write_mesh
+from meshmark.io import save as save_module
+from meshmark.mesh import Mesh
+
+TETRA = Mesh(
+    np.array([[0, 0, 0], [1, 0, 0], [0, 1, 1 / 3], [0, 0, 1]]),
+    np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]),
+)
+EXTENSIONS = [extension for entry in FORMATS.values() for extension in entry.extensions]
+
+
+@pytest.fixture
+def source(tmp_path: Path) -> Path:
+    path = tmp_path / "model.obj"
+    path.write_bytes(SAMPLES["obj"].data)
+    return path
+
+
+def files_below(folder: Path) -> dict[str, bytes]:
+    return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+@pytest.mark.parametrize("packed", ["", ".gz"])
+@pytest.mark.parametrize("extension", EXTENSIONS)
+def test_a_mesh_made_in_memory_is_written_and_read_back(tmp_path: Path, extension: str, packed: str) -> None:
+    path = tmp_path / f"made{extension}{packed}"
+    report = write_mesh(TETRA, path)
+    assert report.files[0] == path
+    assert report.dropped == ()
+    again = read_mesh(path)
+    np.testing.assert_allclose(again.vertices[again.faces], TETRA.vertices[TETRA.faces], atol=1e-6)
+    exact = extension in (".off", ".obj", ".ply")
+    assert not exact or np.array_equal(again.vertices, TETRA.vertices)
+    assert set(files_below(tmp_path)) == {file.name for file in report.files}
+
+
+@pytest.mark.parametrize("packed", ["", ".gz"])
+@pytest.mark.parametrize("extension", EXTENSIONS)
+def test_saving_unmoved_gives_the_same_bytes(tmp_path: Path, extension: str, packed: str) -> None:
+    path, out = tmp_path / f"made{extension}{packed}", tmp_path / "out"
+    out.mkdir()
+    write_mesh(TETRA, path)
+    write_mesh(read_mesh(path), out / path.name)
+    assert files_below(out) == {name: data for name, data in files_below(tmp_path).items() if "/" not in name}
+
+
+def test_moved_and_conformed(source: Path, tmp_path: Path) -> None:
+    mesh = read_mesh(source)
+    moved = mesh.with_vertices(mesh.vertices + 1 / 3)
+    write_mesh(moved, tmp_path / "out.obj")
+    np.testing.assert_array_equal(read_mesh(tmp_path / "out.obj").vertices, conform(mesh, moved.vertices))
+    np.testing.assert_array_equal(conform(TETRA, TETRA.vertices), TETRA.vertices)
+
+
+def test_equal_meshes_give_equal_files(tmp_path: Path) -> None:
+    for extension in EXTENSIONS:
+        (tmp_path / "b").mkdir(exist_ok=True)
+        write_mesh(TETRA, tmp_path / f"a{extension}.gz")
+        write_mesh(TETRA, tmp_path / "b" / f"a{extension}.gz")
+        assert (tmp_path / f"a{extension}.gz").read_bytes() == (
+            tmp_path / "b" / f"a{extension}.gz"
+        ).read_bytes()
+
+
+@pytest.mark.parametrize("name", ["off", "stcnoff", "obj", "obj colours", "ply mixed up", "stl"])
+@pytest.mark.parametrize("extension", EXTENSIONS)
+def test_conversion_keeps_the_surface(tmp_path: Path, name: str, extension: str) -> None:
+    sample = SAMPLES[name]
+    path = tmp_path / f"in{sample.suffix}"
+    path.write_bytes(sample.data)
+    mesh = read_mesh(path)
+    write_mesh(mesh, tmp_path / f"out{extension}")
+    again = read_mesh(tmp_path / f"out{extension}")
+    np.testing.assert_allclose(again.vertices[again.faces], mesh.vertices[mesh.faces], atol=1e-6)
+
+
+def test_conversion_keeps_attributes_and_says_what_it_drops(tmp_path: Path) -> None:
+    path = tmp_path / "in.off"
+    path.write_bytes(SAMPLES["stcnoff"].data)
+    mesh = read_mesh(path)
+    assert mesh.document is not None
+    wanted = mesh.document.attributes()
+    for extension in (".obj", ".ply", ".glb", ".gltf"):
+        report = write_mesh(mesh, tmp_path / f"out{extension}")
+        assert report.dropped == (("opacity",) if extension == ".obj" else ())
+        document = read_mesh(tmp_path / f"out{extension}").document
+        assert document is not None
+        found = document.attributes()
+        for field in ("normals", "texcoords", "colors"):
+            ours, theirs = getattr(wanted, field), getattr(found, field)
+            channels = 3 if field == "colors" and extension == ".obj" else None
+            np.testing.assert_allclose(theirs[:, :channels], ours[:, :channels], atol=1e-6)
+    assert write_mesh(mesh, tmp_path / "out.stl").dropped == (
+        "normals",
+        "texture coordinates",
+        "vertex colours",
+    )
+
+
+def test_seams_are_split_only_where_the_target_keeps_them(source: Path, tmp_path: Path) -> None:
+    data = b"v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nv 0 0 1 1 1 1\nvt 0 0\nvt 1 0\nvt 0 1\n"
+    data += b"f 1/1 2/2 3/3\nf 1/3 3/3 4/1\nf 2/2 1/3 4/1\n"
+    source.write_bytes(data)
+    mesh = read_mesh(source)
+    write_mesh(mesh, tmp_path / "a.ply")
+    split = read_mesh(tmp_path / "a.ply")
+    assert len(split.vertices) == 5
+    assert split.document is not None
+    found = split.document.attributes()
+    assert found.texcoords is not None
+    assert found.colors is not None
+    np.testing.assert_array_equal(split.vertices[split.faces], mesh.vertices[mesh.faces])
+    np.testing.assert_array_equal(found.texcoords[split.faces[1]], [[0, 1], [0, 1], [0, 0]])
+    np.testing.assert_array_equal(found.colors[split.faces[1, :2], :3], [[255, 0, 0], [0, 0, 255]])
+    report = write_mesh(mesh, tmp_path / "b.stl")
+    assert "texture coordinates" in report.dropped
+    np.testing.assert_array_equal(
+        read_mesh(tmp_path / "b.stl").vertices.reshape(-1, 3, 3), mesh.vertices[mesh.faces]
+    )
+
+
+def test_the_input_is_refused_as_output(source: Path, tmp_path: Path) -> None:
+    before = source.read_bytes()
+    mesh = read_mesh(source)
+    (tmp_path / "hard.obj").hardlink_to(source)
+    (tmp_path / "soft.obj").symlink_to(source)
+    (tmp_path / "sub").mkdir()
+    for path in (source, tmp_path / "hard.obj", tmp_path / "soft.obj", tmp_path / "sub" / ".." / "model.obj"):
+        with pytest.raises(InputError, match="is the input"):
+            write_mesh(mesh, path)
+    assert source.read_bytes() == before
+
+
+def test_side_files_are_copied_and_never_replaced(source: Path, tmp_path: Path) -> None:
+    (tmp_path / "scene.mtl").write_text("newmtl Shiny\nmap_Kd maps/skin.png\n")
+    (tmp_path / "maps").mkdir()
+    (tmp_path / "maps" / "skin.png").write_bytes(b"ours")
+    mesh, out = read_mesh(source), tmp_path / "out"
+    out.mkdir()
+    (out / "scene.mtl").write_text("theirs")
+    write_mesh(mesh, out / "new.obj")
+    assert files_below(out) == {
+        "new.obj": source.read_bytes(),
+        "scene.mtl": b"theirs",
+        str(Path("maps") / "skin.png"): b"ours",
+    }
+    before = files_below(tmp_path)
+    write_mesh(mesh, tmp_path / "new.obj")
+    assert files_below(tmp_path) == before | {"new.obj": source.read_bytes()}
+    with pytest.raises(InputError, match="that the input refers to"):
+        write_mesh(mesh, tmp_path / "scene.mtl")
+
+
+def test_where_nothing_can_be_written(source: Path, tmp_path: Path) -> None:
+    mesh = read_mesh(source)
+    (tmp_path / "folder.obj").mkdir()
+    (tmp_path / "file").write_bytes(b"x")
+    os.mkfifo(tmp_path / "pipe.obj")
+    before = files_below(tmp_path)
+    for path, says in (
+        ("folder.obj", "is an existing directory"),
+        ("missing/out.obj", "does not exist"),
+        ("file/out.obj", "does not exist"),
+        ("pipe.obj", "not an ordinary file"),
+        ("a\0b.obj", "cannot write"),
+        ("x" * 300 + ".obj", "cannot write"),
+    ):
+        with pytest.raises(OutputError) as caught:
+            write_mesh(mesh, tmp_path / path)
+        assert says in str(caught.value)
+        assert "\n" not in str(caught.value)
+    assert files_below(tmp_path) == before
+
+
+def test_formats_without_a_name(source: Path, tmp_path: Path) -> None:
+    mesh = read_mesh(source)
+    write_mesh(mesh, tmp_path / "plain")
+    assert (tmp_path / "plain").read_bytes() == source.read_bytes()
+    with pytest.raises(InputError, match="no extension of a known format"):
+        write_mesh(TETRA, tmp_path / "plain")
+
+
+def test_other_faces_than_the_files(source: Path, tmp_path: Path) -> None:
+    mesh = read_mesh(source)
+    with pytest.raises(InputError, match="other faces"):
+        write_mesh(Mesh(mesh.vertices, mesh.faces[:2], mesh.document), tmp_path / "out.obj")
+
+
+@pytest.mark.parametrize("step", ["fsync", "replace"])
+def test_no_space_leaves_nothing_behind(
+    source: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, step: str
+) -> None:
+    def fail(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    mesh = read_mesh(source)
+    out = tmp_path / "out.obj"
+    out.write_bytes(b"older")
+    before = files_below(tmp_path)
+    monkeypatch.setattr(*((save_module.os, "fsync", fail) if step == "fsync" else (Path, "replace", fail)))
+    with pytest.raises(OutputError, match="No space left on device"):
+        write_mesh(mesh, out)
+    assert files_below(tmp_path) == before
+
+
+def test_a_real_limit_on_file_size(tmp_path: Path) -> None:
+    script = (
+        "import resource, sys, numpy as np\nfrom meshmark.mesh import Mesh\nfrom meshmark.io import write_mesh\n"
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (5000, 5000))\n"
+        "mesh = Mesh(np.random.default_rng(0).random((900, 3)), np.arange(900).reshape(-1, 3))\n"
+        "try:\n    write_mesh(mesh, sys.argv[1])\nexcept Exception as error:\n    print(type(error).__name__, error)\n"
+    )
+    assert resource.getrlimit(resource.RLIMIT_FSIZE)[0] != 5000
+    result = subprocess.run(
+        [sys.executable, "-c", script, str(tmp_path / "out.obj")],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=True,
+    )
+    assert result.stdout.startswith("OutputError cannot write")
+    assert files_below(tmp_path) == {}
+
+
+def test_a_link_is_followed(source: Path, tmp_path: Path) -> None:
+    (tmp_path / "real").mkdir()
+    (tmp_path / "link.obj").symlink_to(tmp_path / "real" / "there.obj")
+    write_mesh(read_mesh(source), tmp_path / "link.obj")
+    assert (tmp_path / "link.obj").is_symlink()
+    assert (tmp_path / "real" / "there.obj").read_bytes() == source.read_bytes()
+
+
+def test_external_buffers_of_the_input_are_never_replaced(tmp_path: Path) -> None:
+    write_mesh(TETRA, tmp_path / "made.glb")
+    before = files_below(tmp_path)
+    mesh = read_mesh(tmp_path / "made.glb")
+    document = mesh.document
+    assert document is not None
+
+    class TwoFiles:
+        """A document whose save writes a second file under a fixed name."""
+
+        def __getattr__(self, name: str) -> object:
+            return getattr(document.document, name)  # type: ignore[union-attr]
+
+        def patched(self, vertices: np.ndarray, name: str) -> dict[str, bytes]:
+            return {name: b"main", "shared.bin": b"second"}
+
+    two = save_module.SourceFile(tmp_path / "made.glb", TwoFiles())  # type: ignore[arg-type]
+    pair = Mesh(mesh.vertices, mesh.faces, two)
+    (tmp_path / "shared.bin").write_bytes(b"the input's")
+    with pytest.raises(InputError, match=r"would replace shared\.bin"):
+        write_mesh(pair, tmp_path / "out.glb")
+    assert files_below(tmp_path) == before | {"shared.bin": b"the input's"}
+    (tmp_path / "elsewhere").mkdir()
+    report = write_mesh(pair, tmp_path / "elsewhere" / "out.glb")
+    assert [file.name for file in report.files] == ["out.glb", "shared.bin"]
