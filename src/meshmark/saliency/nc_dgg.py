@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.sparse import csr_array
 
 from meshmark.geometry.adjacency import mean_squared_edge, unique_edges
@@ -12,7 +13,7 @@ from meshmark.geometry.areas import vertex_areas_and_normals
 from meshmark.geometry.scale_space import WalkWeights, discrete_gaussian_sum, random_walk
 from meshmark.mesh import FloatArray, IntArray
 
-__all__ = ["EPSILON", "SCALES", "Saliency", "saliency"]
+__all__ = ["EPSILON", "SCALES", "Saliency", "model_diagonal", "saliency", "tangent_distance"]
 
 EPSILON = 0.003
 """The smallest scale, as a share of the model's diagonal."""
@@ -50,11 +51,9 @@ def saliency(
 ) -> Saliency:
     """Return the NC-DGG saliency of the points (p, 3) of a mesh with triangles (m, 3).
 
-    At scale sigma_j = j * epsilon * diagonal the signed distance is `Dis_j(v) = n_v . (M_j(v) - v)`, where
-    M_j are the positions smoothed by the discrete Gaussian of `alpha_j = 2 sigma_j^2 / mean squared edge`
-    (DESIGN section 2). The normal is the same at every scale, so the smoothed positions are summed first and
-    the cost is that of the largest scale. beta is the size of the sum, scaled to [0, 1]: tips and pits both
-    count, whichever way the faces are turned.
+    beta is the size of `tangent_distance` summed over the scales sigma_j = j * epsilon * diagonal, scaled to
+    [0, 1] (eq. 6): tips and pits both count, whichever way the faces are turned. A scale is a discrete
+    Gaussian of `alpha_j = 2 sigma_j^2 / mean squared edge length` (DESIGN section 2).
     """
     edges = unique_edges(faces)
     squared_edge = mean_squared_edge(points, edges)
@@ -62,16 +61,32 @@ def saliency(
     if squared_edge == 0.0:
         return Saliency(np.zeros(len(points)), np.zeros(len(points)), walk, 1)
     areas, normals = vertex_areas_and_normals(points, faces)
-    share = areas / (areas.sum() or 1.0)
-    centred = points - share @ points
-    diagonal = DIAGONAL * np.sqrt(np.einsum("i,ij,ij->", share, centred, centred))
-    sigmas = epsilon * diagonal * np.arange(1, scales + 1)
-    alphas = 2.0 * sigmas**2 / squared_edge
-    offset = discrete_gaussian_sum(walk, centred, alphas)
-    offset -= scales * centred
-    distance = np.einsum("ij,ij->i", normals, offset)
+    sigmas = epsilon * model_diagonal(points, areas) * np.arange(1, scales + 1)
+    distance = tangent_distance(walk, points, normals, 2.0 * sigmas**2 / squared_edge)
     rings = max(1, round(float(sigmas[-1] / np.sqrt(squared_edge))))
     return Saliency(_to_unit_range(np.abs(distance)), distance, walk, rings)
+
+
+def tangent_distance(
+    walk: csr_array, points: FloatArray, normals: FloatArray, alphas: ArrayLike
+) -> FloatArray:
+    """Return (p,): `n_v . (M_j(v) - v)` summed over the scales, M_j the smoothed positions (eq. 1-5).
+
+    The normal is the same at every scale, so the smoothed positions are summed first and the cost is that of
+    the largest scale.
+    """
+    centred = points - points.mean(axis=0)
+    offset = discrete_gaussian_sum(walk, centred, alphas)
+    centred *= np.size(alphas)
+    offset -= centred
+    distance: FloatArray = np.einsum("ij,ij->i", normals, offset)
+    return distance
+
+
+def model_diagonal(points: FloatArray, areas: FloatArray) -> float:
+    """Return DIAGONAL times the RMS distance of the surface from its centroid; areas: (p,) of the points."""
+    share = areas / (areas.sum() or 1.0)
+    return DIAGONAL * float(np.sqrt(share @ (points - share @ points) ** 2 @ np.ones(3)))
 
 
 def _to_unit_range(values: FloatArray) -> FloatArray:
