@@ -83,7 +83,9 @@ def test_what_is_written_is_what_conform_says(name: str, vertices: list[tuple[fl
     assert text.patch(conformed) == written
     diagonal = np.linalg.norm(np.ptp(conformed, axis=0))
     rounding = np.abs(moved).max() * 2e-16
-    assert np.abs(conformed - moved).max() <= 0.51e-7 * diagonal + rounding or np.ptp(moved, axis=0).max() == 0
+    assert (
+        np.abs(conformed - moved).max() <= 0.51e-7 * diagonal + rounding or np.ptp(moved, axis=0).max() == 0
+    )
 
 
 @pytest.mark.parametrize("name", STYLES)

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from text_samples import SAMPLES
 
 from meshmark.errors import FormatError
 from meshmark.io.obj import parse_obj
+from tests.io.text_samples import SAMPLES
 
 POINTS = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
 

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from text_samples import SAMPLES
 
 from meshmark.errors import FormatError
 from meshmark.io.off import parse_off
+from tests.io.text_samples import SAMPLES
 
 FACES = b"3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n"
 POINTS = b"0 0 0\n1 0 0\n0 1 0\n0 0 1\n"

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from text_samples import SAMPLES, Sample
 
 from meshmark.io import FORMATS
 from meshmark.io.document import Document
 from meshmark.io.formats import detect_format
+from tests.io.text_samples import SAMPLES, Sample
 
 
 def parse(data: bytes, suffix: str) -> Document:

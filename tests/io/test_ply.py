@@ -7,64 +7,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from text_samples import SAMPLES
 
 from meshmark.errors import FormatError, InputError
 from meshmark.io.ply import parse_ply
-
-POINTS = np.array([[0, 0, 0], [1.5, 0, 0], [0, 2.25, 0], [0, 0, -3]])
-FACES = ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3))
-TYPES = {
-    "char": "b",
-    "uchar": "B",
-    "int16": "h",
-    "ushort": "H",
-    "int": "i",
-    "uint": "I",
-    "float": "f",
-    "double": "d",
-}
+from tests.io.binary_samples import FACES, POINTS, TYPES, binary_ply
+from tests.io.text_samples import SAMPLES
 
 
 def parse(data: bytes):  # type: ignore[no-untyped-def]
     return parse_ply(data, Path("model.ply"))
-
-
-def build(
-    order: str, kinds: tuple[str, str, str], *, lists: bool = False, polygons: bool = False
-) -> tuple[bytes, list[int]]:
-    """Return a binary PLY file with extra properties and elements, and the offsets of its coordinates."""
-    name = {"<": "binary_little_endian", ">": "binary_big_endian"}[order]
-    header = ["ply", f"format {name} 1.0", "comment element vertex 9", "obj_info x", "element camera 2"]
-    header += ["property list uchar ushort view", "property double gain", f"element vertex {len(POINTS)}"]
-    header += ["property uchar red", f"property {kinds[2]} z", f"property {kinds[0]} x"]
-    header += ["property list int double tags"] * lists + [f"property {kinds[1]} y", "property float nx"]
-    faces = [(0, 2, 1, 3), (0, 1, 3)] if polygons else list(FACES)
-    header += [
-        f"element face {len(faces)}",
-        "property list uchar int vertex_indices",
-        "property uchar red",
-        "end_header",
-        "",
-    ]
-    data = bytearray("\n".join(header).encode())
-    for view in ((1, 2), (3,)):
-        data += struct.pack(f"{order}B{len(view)}Hd", len(view), *view, 0.5)
-    offsets = []
-    for row, (x, y, z) in enumerate(POINTS):
-        data += bytes([7])
-        spots = {}
-        for axis, value in (("z", z), ("x", x), ("y", y)):
-            if axis == "y" and lists:
-                data += struct.pack(f"{order}i{row}d", row, *[9.5] * row)
-            kind = TYPES[kinds["xyz".index(axis)]]
-            spots[axis] = len(data)
-            data += struct.pack(order + kind, value if kind in "fd" else int(value))
-        offsets += [spots[axis] for axis in "xyz"]
-        data += struct.pack(order + "f", -0.5)
-    for face in faces:
-        data += struct.pack(f"{order}B{len(face)}iB", len(face), *face, 200)
-    return bytes(data), offsets
 
 
 @pytest.mark.parametrize("order", "<>")
@@ -75,7 +26,7 @@ def build(
 @pytest.mark.parametrize("lists", [False, True])
 @pytest.mark.parametrize("polygons", [False, True])
 def test_binary(order: str, kinds: tuple[str, str, str], lists: bool, polygons: bool) -> None:
-    data, offsets = build(order, kinds, lists=lists, polygons=polygons)
+    data, offsets = binary_ply(order, kinds, lists=lists, polygons=polygons)
     document = parse(data)
     whole = [TYPES[kind] not in "fd" for kind in kinds]
     np.testing.assert_array_equal(document.vertices, np.where(whole, np.trunc(POINTS), POINTS))
@@ -96,7 +47,7 @@ def test_binary(order: str, kinds: tuple[str, str, str], lists: bool, polygons: 
 
 
 def test_one_moved_coordinate_changes_one_number() -> None:
-    data, offsets = build("<", ("float",) * 3)
+    data, offsets = binary_ply("<", ("float",) * 3)
     document = parse(data)
     moved = document.vertices.copy()
     moved[2, 1] = 7
@@ -108,7 +59,7 @@ def test_one_moved_coordinate_changes_one_number() -> None:
 
 @pytest.mark.parametrize("ending", ["\n", "\r\n", "\r"])
 def test_headers_of_any_line_ending(ending: str) -> None:
-    data, _ = build("<", ("float",) * 3)
+    data, _ = binary_ply("<", ("float",) * 3)
     head, body = data.split(b"end_header\n")
     other = head.replace(b"\n", ending.encode()) + b"end_header" + ending.encode() + body
     np.testing.assert_array_equal(parse(other).vertices, parse(data).vertices)
@@ -118,7 +69,8 @@ def test_headers_of_any_line_ending(ending: str) -> None:
 
 
 def test_data_that_begin_like_a_line_end() -> None:
-    header = "ply\rformat binary_little_endian 1.0\relement vertex 3\rproperty uchar x\rproperty uchar y\rproperty uchar z\r"
+    header = "ply\rformat binary_little_endian 1.0\relement vertex 3\r"
+    header += "property uchar x\rproperty uchar y\rproperty uchar z\r"
     header += "element face 1\rproperty list uchar uchar vertex_index\rend_header\r"
     data = header.encode() + bytes([10, 0, 0, 1, 0, 0, 0, 1, 0, 3, 0, 1, 2])
     assert parse(data).vertices.tolist() == [[10, 0, 0], [1, 0, 0], [0, 1, 0]]
@@ -138,16 +90,19 @@ def test_whole_number_coordinates_in_text_stay_whole() -> None:
 
 def test_beyond_the_range_of_the_type() -> None:
     for kinds, value in ((("float",) * 3, 1e39), (("char",) * 3, 200.0)):
-        document = parse(build("<", kinds)[0])
+        document = parse(binary_ply("<", kinds)[0])
         with pytest.raises(InputError, match="beyond the range"):
             document.conform(document.vertices + value)
 
 
 def test_attributes() -> None:
     header = "ply\nformat ascii 1.0\nelement vertex 3\n"
-    header += "".join(f"property float {name}\n" for name in "x y z nx ny nz s t quality".split())
-    header += "".join(f"property uchar {name}\n" for name in "red green blue".split())
-    header += "element face 1\nproperty list uchar int vertex_index\nproperty uchar red\nelement edge 1\nproperty int vertex1\nend_header\n"
+    header += "".join(
+        f"property float {name}\n" for name in ("x", "y", "z", "nx", "ny", "nz", "s", "t", "quality")
+    )
+    header += "".join(f"property uchar {name}\n" for name in ("red", "green", "blue"))
+    header += "element face 1\nproperty list uchar int vertex_index\nproperty uchar red\n"
+    header += "element edge 1\nproperty int vertex1\nend_header\n"
     rows = "".join(f"{k} {k * k} 0 0 0 1 0.5 {k} 9 1 2 {k}\n" for k in range(3))
     found = parse((header + rows + "3 0 1 2 5\n0\n").encode()).attributes()
     assert found.normals is not None
@@ -219,7 +174,7 @@ def test_what_breaks_the_format_is_refused_in_one_sentence(data: bytes, says: st
 
 def test_truncated_binary_is_refused_at_every_length() -> None:
     for lists, polygons in ((False, False), (True, True)):
-        data, _ = build("<", ("float",) * 3, lists=lists, polygons=polygons)
+        data, _ = binary_ply("<", ("float",) * 3, lists=lists, polygons=polygons)
         for size in range(len(data)):
             with pytest.raises(FormatError):
                 parse(data[:size])
@@ -228,7 +183,7 @@ def test_truncated_binary_is_refused_at_every_length() -> None:
 
 
 def test_binary_not_finite() -> None:
-    data, offsets = build("<", ("float",) * 3)
+    data, offsets = binary_ply("<", ("float",) * 3)
     broken = bytearray(data)
     struct.pack_into("<f", broken, offsets[5], float("inf"))
     with pytest.raises(FormatError, match="vertex 1 has a coordinate that is not a finite number"):

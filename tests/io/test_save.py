@@ -10,12 +10,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from text_samples import SAMPLES
 
 from meshmark.errors import InputError, OutputError
 from meshmark.io import FORMATS, conform, read_mesh, write_mesh
 from meshmark.io import save as save_module
 from meshmark.mesh import Mesh
+from tests.io.text_samples import SAMPLES
 
 TETRA = Mesh(
     np.array([[0, 0, 0], [1, 0, 0], [0, 1, 1 / 3], [0, 0, 1]]),
@@ -223,7 +223,8 @@ def test_a_real_limit_on_file_size(tmp_path: Path) -> None:
         "import resource, sys, numpy as np\nfrom meshmark.mesh import Mesh\nfrom meshmark.io import write_mesh\n"
         "resource.setrlimit(resource.RLIMIT_FSIZE, (5000, 5000))\n"
         "mesh = Mesh(np.random.default_rng(0).random((900, 3)), np.arange(900).reshape(-1, 3))\n"
-        "try:\n    write_mesh(mesh, sys.argv[1])\nexcept Exception as error:\n    print(type(error).__name__, error)\n"
+        "try:\n    write_mesh(mesh, sys.argv[1])\n"
+        "except Exception as error:\n    print(type(error).__name__, error)\n"
     )
     assert resource.getrlimit(resource.RLIMIT_FSIZE)[0] != 5000
     result = subprocess.run(

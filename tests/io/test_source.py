@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from text_samples import SAMPLES
 
 from meshmark.errors import FormatError, InputError
 from meshmark.io import FORMATS, read_mesh, write_mesh
@@ -15,6 +14,7 @@ from meshmark.io import source as source_module
 from meshmark.io.formats import detect_format, format_of_name
 from meshmark.io.source import gzipped
 from meshmark.mesh import Mesh
+from tests.io.text_samples import SAMPLES
 
 OFF = SAMPLES["off"].data
 

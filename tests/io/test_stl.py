@@ -7,34 +7,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from text_samples import SAMPLES
 
 from meshmark.errors import FormatError, InputError
 from meshmark.io.stl import parse_stl
 from meshmark.io.stl_normals import facet_normals, stale_facets
-
-CORNERS = np.array(
-    [
-        [[0, 0, 0], [0, 1, 0], [1, 0, 0]],
-        [[0, 0, 0], [1, 0, 0], [0, 0, 1]],
-        [[0, 0, 0], [0, 0, 1], [0, 1, 0]],
-        [[5, 5, 5]] * 3,
-    ]
-).astype(float)
-# Right, zero, wrong, and of a facet without area.
-NORMALS = [(0.0, 0.0, -1.0), (0.0, 0.0, 0.0), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0)]
+from tests.io.binary_samples import CORNERS, NORMALS, binary_stl
+from tests.io.text_samples import SAMPLES
 
 
 def parse(data: bytes):  # type: ignore[no-untyped-def]
     return parse_stl(data, Path("model.stl"))
-
-
-def binary(header: bytes = b"made by a test") -> bytes:
-    body = b"".join(
-        struct.pack("<12fH", *normal, *corners.ravel(), 1000 + k)
-        for k, (normal, corners) in enumerate(zip(NORMALS, CORNERS, strict=True))
-    )
-    return header.ljust(80) + struct.pack("<I", len(CORNERS)) + body
 
 
 def text() -> bytes:
@@ -49,7 +31,7 @@ def text() -> bytes:
 
 @pytest.mark.parametrize("header", [b"made by a test", b"solid but binary", b"solid\nfacet normal"])
 def test_binary(header: bytes) -> None:
-    data = binary(header)
+    data = binary_stl(header)
     document = parse(data)
     np.testing.assert_array_equal(document.vertices, CORNERS.reshape(-1, 3))
     assert document.faces.tolist() == np.arange(12).reshape(4, 3).tolist()
@@ -83,7 +65,7 @@ def test_text_normals_follow_where_they_were_right() -> None:
 
 
 def test_facets_that_stay_keep_their_normals() -> None:
-    data = binary().replace(struct.pack("<3f", 0, 0, -1), struct.pack("<3f", 0, 1e-4, -1), 1)
+    data = binary_stl().replace(struct.pack("<3f", 0, 0, -1), struct.pack("<3f", 0, 1e-4, -1), 1)
     document = parse(data)
     moved = document.vertices.copy()
     moved[3] += 0.25
@@ -113,11 +95,11 @@ def test_several_solids_and_broken_normals() -> None:
     [
         (b"", "has 0 bytes"),
         (b"x" * 80, "has 80 bytes"),
-        (binary()[:-1], "declares 4 facets, so 284 bytes are expected, but the file has 283"),
-        (binary() + b"\0", "but the file has 285"),
+        (binary_stl()[:-1], "declares 4 facets, so 284 bytes are expected, but the file has 283"),
+        (binary_stl() + b"\0", "but the file has 285"),
         (b"x" * 80 + bytes(4), "no faces"),
         (
-            binary().replace(struct.pack("<f", 5), struct.pack("<f", float("nan")), 1),
+            binary_stl().replace(struct.pack("<f", 5), struct.pack("<f", float("nan")), 1),
             "facet 3 has a coordinate",
         ),
         (b"solid x\nendsolid x\n", "no facets"),
@@ -141,7 +123,7 @@ def test_what_breaks_the_format_is_refused_in_one_sentence(data: bytes, says: st
 
 
 def test_new_positions_must_fit() -> None:
-    document = parse(binary())
+    document = parse(binary_stl())
     with pytest.raises(InputError, match="beyond the range"):
         document.conform(document.vertices + 1e39)
     with pytest.raises(InputError, match="shape"):

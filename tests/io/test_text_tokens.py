@@ -77,7 +77,7 @@ def test_keys_tell_words_apart() -> None:
 
 @pytest.mark.parametrize("data", ["OFF".encode("utf-16"), b"OFF\0"])
 def test_what_is_no_text_is_refused(data: bytes) -> None:
-    with pytest.raises(FormatError, match="UTF-16|zero bytes"):
+    with pytest.raises(FormatError, match=r"UTF-16|zero bytes"):
         tokenise(data)
 
 

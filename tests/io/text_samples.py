@@ -98,10 +98,8 @@ SAMPLES = {
     "obj polygon": Sample(".obj", "v @ @ @\n" * 4 + "f 1 2 3 4\nf 4// 3// 2//\n", faces=3),
     "ply": Sample(
         ".ply",
-        "ply\nformat ascii 1.0\ncomment v @\nobj_info made by hand\nelement vertex 4\nproperty float x\n"
-        "property float y\nproperty float z\nelement face 4\nproperty list uchar int vertex_indices\nend_header\n".replace(
-            "@", "at"
-        )
+        "ply\nformat ascii 1.0\ncomment v 1 2 3\nobj_info made by hand\nelement vertex 4\nproperty float x\n"
+        "property float y\nproperty float z\nelement face 4\nproperty list uchar int vertex_indices\nend_header\n"
         + V * 4
         + F,
     ),
@@ -131,7 +129,8 @@ SAMPLES = {
         "solid a facet of vertex names\n"
         + "\tfacet normal 9.000000e+00 0 0\n\t\touter loop\n"
         + "\t\t\tvertex @ @ @\n" * 3
-        + "\t\tendloop\n\tendfacet\nendsolid\nSOLID two\n  FACET NORMAL nan nan nan OUTER LOOP VERTEX @ @ @ vertex @ @ @\n"
+        + "\t\tendloop\n\tendfacet\nendsolid\nSOLID two\n"
+        "  FACET NORMAL nan nan nan OUTER LOOP VERTEX @ @ @ vertex @ @ @\n"
         "vertex @ @ @ ENDLOOP ENDFACET\nENDSOLID two\n",
         numbers=(*TETRA, *TETRA[:6]),
         faces=2,
