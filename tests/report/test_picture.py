@@ -88,7 +88,7 @@ def test_pictures_of_results_are_png_of_the_size_asked_for(tmp_path: Path) -> No
 
 def test_a_place_that_cannot_be_written_is_said(tmp_path: Path) -> None:
     points, faces, _ = sphere_with_a_spike()
-    with pytest.raises(OutputError, match="cannot be written"):
+    with pytest.raises(OutputError, match="cannot write"):
         panels([Panel("", points, faces)], tmp_path / "no" / "folder.png", size=50)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
-from meshmark.errors import OutputError
+from meshmark.io.whole import write_whole
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.report.colours import heat, to_srgb
 from meshmark.report.raster import rasterise
@@ -71,10 +72,9 @@ def panels(
         draw.text(((i + 0.5) * size, size + strip / 2), panel.caption, INK, font, "mm")
     if bar:
         _draw_bar(sheet, draw, font, bar, size + strip, strip)
-    try:
-        sheet.save(path, "PNG")
-    except OSError as error:
-        raise OutputError(f"the picture cannot be written to {path}: {error.strerror or error}") from error
+    packed = io.BytesIO()
+    sheet.save(packed, "PNG")
+    write_whole(path, packed.getvalue())
 
 
 def render(panel: Panel, size: int, view: FloatArray) -> NDArray[np.uint8]:
