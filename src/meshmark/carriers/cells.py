@@ -13,17 +13,18 @@ sample reaches only the eight nodes around it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
 import scipy.sparse as sp
 
+from meshmark.geometry.open_edges import EdgeSamples
 from meshmark.geometry.sampling import Samples
 from meshmark.mesh import FloatArray, IntArray
 
-__all__ = ["Cells", "cell_gradient", "measure_cells"]
+__all__ = ["Cells", "border_gradient", "cell_gradient", "measure_cells"]
 
 PLANE_MASS = np.pi / 4.0  # integral of the window over a plane through its node
 POWER = 3
@@ -80,10 +81,10 @@ class _Grid:
         return np.column_stack([i, j, k]) + self.low
 
 
-def _around(samples: Samples) -> tuple[_Grid, IntArray, FloatArray]:
-    base = np.floor(samples.positions).astype(np.int64)
+def _around(positions: FloatArray) -> tuple[_Grid, IntArray, FloatArray]:
+    base = np.floor(positions).astype(np.int64)
     grid = _Grid.around(base)
-    return grid, grid.number(base), samples.positions - base
+    return grid, grid.number(base), positions - base
 
 
 def _windows(fraction: FloatArray) -> Iterator[tuple[tuple[int, int, int], FloatArray]]:
@@ -98,7 +99,7 @@ def _windows(fraction: FloatArray) -> Iterator[tuple[tuple[int, int, int], Float
 
 def measure_cells(samples: Samples) -> Cells:
     """Measure every cell touched by samples given in lattice coordinates, (q, 3)."""
-    grid, number, fraction = _around(samples)
+    grid, number, fraction = _around(samples.positions)
     ax, ay, az = vectors = np.ascontiguousarray(samples.vectors.T)
     flux = np.einsum("qi,iq->q", fraction, vectors)
     sums = np.zeros((5, grid.count))
@@ -123,25 +124,54 @@ def measure_cells(samples: Samples) -> Cells:
 def cell_gradient(samples: Samples, cells: Cells) -> sp.csr_array:
     """Return (n, q): change of each cell's offset per unit of flux (displacement . area vector) at each sample.
 
-    The flux of a field F through a moving surface changes by the integral of div F times the normal motion:
-    div(w (x - c)) = 3 w + (x - c) . grad w for the numerator, N . grad w for the length of the denominator.
+    The flux of a field F through a moving closed surface changes by the integral of div F times the normal
+    motion: div(w (x - c)) = 3 w + (x - c) . grad w for the numerator, N . grad w for the denominator's length.
     """
-    grid, number, fraction = _around(samples)
-    row_of = np.full(grid.count, -1, np.int64)
-    row_of[grid.number(cells.nodes)] = np.arange(len(cells.nodes))
-    rows, columns, values = [], [], []
-    for corner, inside in _windows(fraction):
-        row = row_of[number + grid.number(grid.low + np.array(corner))]
-        hit = np.flatnonzero((row >= 0) & (inside > 0.0))
-        row, t = row[hit], inside[hit]
-        arm = fraction[hit] - np.array(corner, dtype=float)
+
+    def change(row: IntArray, _: IntArray, arm: FloatArray, inside: FloatArray) -> FloatArray:
+        slope = -2.0 * POWER * inside ** (POWER - 1)  # grad w = slope * arm
         along = np.einsum("qi,qi->q", arm, cells.normal[row])
-        slope = -2.0 * POWER * t ** (POWER - 1)  # grad w = slope * arm
-        change = 3.0 * t**POWER + slope * (1.0 - t) - cells.offset[row] * slope * along
-        rows.append(row)
-        columns.append(hit)
-        values.append(change / (cells.mass[row] * PLANE_MASS))
+        return 3.0 * inside**POWER + slope * (1.0 - inside) - cells.offset[row] * slope * along
+
+    return _at_pairs(samples.positions, cells, change)
+
+
+def border_gradient(edges: EdgeSamples, normals: FloatArray, cells: Cells) -> sp.csr_array:
+    """Return (n, e): what open edges add, per unit of displacement of each edge sample along `normals` (e, 3).
+
+    The line integral of F x v, with F = w (x - c) for the numerator and w N for the denominator's length.
+    """
+    turned = np.cross(normals, edges.steps)
+
+    def change(row: IntArray, sample: IntArray, arm: FloatArray, inside: FloatArray) -> FloatArray:
+        field = arm - cells.offset[row, None] * cells.normal[row]
+        return inside**POWER * np.einsum("qi,qi->q", field, turned[sample])
+
+    return _at_pairs(edges.positions, cells, change)
+
+
+def _at_pairs(
+    positions: FloatArray,
+    cells: Cells,
+    change: Callable[[IntArray, IntArray, FloatArray, FloatArray], FloatArray],
+) -> sp.csr_array:
+    """Return (n, q): `change(row, sample, arm, 1 - r^2)` over the cell's flux, for samples within its window."""
+    rows, columns, values = [], [], []
+    if len(positions):
+        grid, number, fraction = _around(positions)
+        row_of = np.full(grid.count, -1, np.int64)
+        within = ((cells.nodes >= grid.low) & (cells.nodes < grid.low + grid.sizes)).all(axis=1)
+        row_of[grid.number(cells.nodes[within])] = np.flatnonzero(within)
+        for corner, inside in _windows(fraction):
+            row = row_of[number + grid.number(grid.low + np.array(corner))]
+            hit = np.flatnonzero((row >= 0) & (inside > 0.0))
+            arm = fraction[hit] - np.array(corner, dtype=float)
+            rows.append(row[hit])
+            columns.append(hit)
+            values.append(change(row[hit], hit, arm, inside[hit]) / (cells.mass[row[hit]] * PLANE_MASS))
+    shape = (len(cells.nodes), len(positions))
+    if not rows:
+        return sp.csr_array(shape)
     return sp.csr_array(
-        (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))),
-        shape=(len(cells.nodes), len(samples.positions)),
+        (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=shape
     )

@@ -10,12 +10,14 @@ import numpy as np
 import scipy.linalg as la
 import scipy.sparse as sp
 
-from meshmark.carriers.cells import Cells, cell_gradient
+from meshmark.carriers.cells import Cells, border_gradient, cell_gradient
 from meshmark.carriers.lattice import Lattice
 from meshmark.geometry.areas import area_vectors, vertex_areas, vertex_normals
 from meshmark.geometry.frame import surface_moments
+from meshmark.geometry.open_edges import sample_open_edges
 from meshmark.geometry.sampling import Sampler, Samples
 from meshmark.mesh import FloatArray, IntArray
+from meshmark.schemes.ncdg_lv.parameters import LONGEST_SAMPLE
 
 __all__ = ["FRAME_ROWS", "Bumps", "frame_gradient", "frame_values"]
 
@@ -40,37 +42,42 @@ def frame_values(points: FloatArray, faces: IntArray) -> FloatArray:
 def frame_gradient(points: FloatArray, faces: IntArray, normals: FloatArray) -> FloatArray:
     """Return (9, p): change of `frame_values` per unit of motion along each point's normal.
 
-    To first order in the edge length: the integral of f changes by f times the growth of the area around the
-    point plus its area times the slope of f. Needs `points` centred.
+    Exact for flat triangles and `points` centred: of each face's integrals, area times mean of x or of x y, both
+    factors change. The mean of x y over a triangle is (sum of x y over corners + 9 x y of the middle) / 12.
     """
-    areas = vertex_areas(points, faces)
-    total = areas.sum()
-    growth = _area_growth(points, faces, normals)
-    rows = [growth * points[:, i] + areas * normals[:, i] for i in range(3)]
-    for i, j in _PAIRS:
-        value = points[:, i] * points[:, j]
-        slope = points[:, i] * normals[:, j] + points[:, j] * normals[:, i]
-        rows.append(growth * (value - (areas @ value) / total) + areas * slope)
-    return np.asarray(np.array(rows) / total)
-
-
-def _area_growth(points: FloatArray, faces: IntArray, normals: FloatArray) -> FloatArray:
-    """Return (p,): growth of the surface's area per unit of motion along each point's normal."""
     vectors = area_vectors(points, faces)
-    length = np.sqrt(np.einsum("ij,ij->i", vectors, vectors))
-    units = (vectors / np.where(length > 0.0, length, 1.0)[:, None]).T
+    areas = np.sqrt(np.einsum("ij,ij->i", vectors, vectors))
+    units = (vectors / np.where(areas > 0.0, areas, 1.0)[:, None]).T
     corners = np.ascontiguousarray(faces.T)
     ends = [axis.take(corners) for axis in np.ascontiguousarray(points.T)]
-    turned = [axis.take(corners) for axis in np.ascontiguousarray(normals.T)]
-    growth = np.zeros(len(points))
-    for i in range(3):
-        across = [end[(i + 1) % 3] - end[(i + 2) % 3] for end in ends]
-        change = sum(
-            turned[j][i] * (across[k] * units[m] - across[m] * units[k])
-            for j, k, m in ((0, 1, 2), (1, 2, 0), (2, 0, 1))
-        )
-        growth += np.bincount(corners[i], 0.5 * change, len(points))
-    return growth
+    turns = [axis.take(corners) for axis in np.ascontiguousarray(normals.T)]
+    middles = [end.mean(axis=0) for end in ends]
+    means = [((ends[i] * ends[j]).sum(axis=0) + 9.0 * middles[i] * middles[j]) / 12.0 for i, j in _PAIRS]
+    total = areas.sum()
+    excess = [mean - (areas @ mean) / total for mean in means]
+    rows = np.zeros((FRAME_ROWS, len(points)))
+    for v in range(3):
+        growth = _area_growth(ends, [turn[v] for turn in turns], units, v)
+        motion = [areas * turn[v] for turn in turns]
+        changes = [growth * middles[i] + motion[i] / 3.0 for i in range(3)]
+        for value, (i, j) in zip(excess, _PAIRS, strict=True):
+            lever = motion[i] * (ends[j][v] + 3.0 * middles[j]) + motion[j] * (ends[i][v] + 3.0 * middles[i])
+            changes.append(growth * value + lever / 12.0)
+        for row, change in zip(rows, changes, strict=True):
+            row += np.bincount(corners[v], change, len(points))
+    return np.asarray(rows / total)
+
+
+def _area_growth(
+    ends: list[FloatArray], turn: list[FloatArray], units: FloatArray, corner: int
+) -> FloatArray:
+    """Return (m,): growth of each face's area as one corner moves along `turn`."""
+    across = [end[(corner + 1) % 3] - end[(corner + 2) % 3] for end in ends]
+    parts = [
+        turn[i] * (across[j] * units[k] - across[k] * units[j])
+        for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1))
+    ]
+    return np.asarray(0.5 * (parts[0] + parts[1] + parts[2]))
 
 
 class Bumps:
@@ -90,6 +97,7 @@ class Bumps:
         areas = vertex_areas(placed, faces)
         weights = np.maximum(areas, LEAST_AREA * areas.mean()) / areas.mean()
         offsets = cell_gradient(samples, cells) @ sampler.normal_motion(samples, self.normals)
+        offsets = sp.csr_array(offsets + _border_part(placed, faces, self.normals, cells))
         frame = frame_gradient(lattice.points(placed), faces, self.normals @ lattice.axes) * lattice.spacing
         self._frame, self._offsets = frame / weights, sp.csr_array(offsets.multiply(1.0 / weights[None, :]))
         gram = np.block(
@@ -108,12 +116,31 @@ class Bumps:
         self.free[rows[FRAME_ROWS:] - FRAME_ROWS] = True
         self._offsets = self._offsets[self.free]
         self._inverse = inverse
+        self._frame_inverse = la.pinvh(gram[:FRAME_ROWS, :FRAME_ROWS], rtol=RIDGE)
         self.cost = inverse[FRAME_ROWS:, FRAME_ROWS:]
 
     def displacement(self, frame: FloatArray, offsets: FloatArray) -> FloatArray:
         """Return (p,) lengths along the normals that change the frame values (9,) and free offsets (f,) so."""
         amounts = self._inverse @ np.concatenate([frame, offsets])
         return np.asarray(amounts[:FRAME_ROWS] @ self._frame + self._offsets.T @ amounts[FRAME_ROWS:])
+
+    def settle(self, frame: FloatArray) -> FloatArray:
+        """Return (p,) lengths that change the frame values (9,) so; offsets may follow.
+
+        A gentle bend of the whole, where holding every offset as well would push at the few places without cells.
+        """
+        return np.asarray((self._frame_inverse @ frame) @ self._frame)
+
+
+def _border_part(points: FloatArray, faces: IntArray, normals: FloatArray, cells: Cells) -> sp.csr_array:
+    """Return (n, p): the part of the offsets' gradient that open edges add."""
+    edges = sample_open_edges(points, faces, LONGEST_SAMPLE)
+    parts = [
+        border_gradient(edges, np.eye(3)[[axis]].repeat(len(edges.positions), axis=0), cells)
+        @ edges.motion.multiply(normals[None, :, axis])
+        for axis in range(3)
+    ]
+    return sp.csr_array(parts[0] + parts[1] + parts[2])
 
 
 def _inverse(gram: FloatArray, rows: IntArray) -> FloatArray:

@@ -25,6 +25,7 @@ from meshmark.schemes.ncdg_lv.parameters import (
     BUDGETS,
     CARRIER_ENOUGH,
     CARRIER_MINIMUM,
+    SPACING_TRIES,
     STEP_TRIES,
     STEPS,
     preferred_spacings,
@@ -88,14 +89,17 @@ def _check(identity: int, strength: str, layers: str) -> None:
 
 
 def _shapings(surface: Welded, frame: Frame, key: Key, bits: Bits) -> Iterator[Shaping]:
-    """Yield spacings with carriers enough in their order, then the others that may do, most carriers first."""
-    scarce = []
+    """Yield the first few spacings with carriers enough, then those passed over, most carriers first."""
+    rich, scarce = 0, []
     for spacing in preferred_spacings(frame.area):
         shaping = Shaping(surface, frame, key, spacing, bits)
-        if shaping.capacity >= CARRIER_ENOUGH:
-            yield shaping
-        else:
+        if shaping.capacity < CARRIER_ENOUGH:
             scarce.append(shaping)
+            continue
+        yield shaping
+        rich += 1
+        if rich == SPACING_TRIES:
+            break
     yield from sorted(scarce, key=lambda shaping: -shaping.capacity)
 
 
@@ -111,7 +115,7 @@ def _largest_step(
         return shaping.rms(step) <= BUDGET_SHARE * budget
 
     first = bisect_left(STEPS, True, key=affordable)
-    for step in STEPS[first : first + STEP_TRIES]:
+    for step in STEPS[first : first + 2 * STEP_TRIES : 2]:
         points = shaping.shaped(float(step))
         moved = (points != surface.points).any(axis=1)[surface.point_of_vertex]
         vertices = np.where(moved[:, None], points[surface.point_of_vertex], mesh.vertices)

@@ -16,15 +16,15 @@ __all__ = [
     "DECODE_LOG10",
     "EMBED_SELECTION",
     "EXTRACT_SELECTION",
+    "HOPELESS_SOLVE",
     "LONGEST_SAMPLE",
     "LOST_ERROR",
     "MOMENT_GAP",
     "PRESENT_LOG10",
-    "SLOW_SOLVE",
-    "SOLVE_FRAME_TOLERANCE",
     "SOLVE_PASSES",
     "SOLVE_TOLERANCE",
     "SPACINGS",
+    "SPACING_TRIES",
     "STEPS",
     "STEP_TRIES",
     "preferred_spacings",
@@ -48,10 +48,13 @@ CARRIER_READABLE: Final = 60
 # Spacings tried around the preferred one, nearest first; thin walls need finer ones.
 SPACING_ORDER: Final = (0, 1, 2, 3, -1, 4, 5, -2)
 
+# Embedding uses one of the first so many of them that have carriers enough, or one with fewer carriers.
+SPACING_TRIES: Final = 3
+
 # Quantisation steps in spacings. Above the largest, bumps become visible and the solve nonlinear.
 STEPS: Final = 0.24 * 2.0 ** (-np.arange(25) / 4.0)
 
-# So many steps are tried from the largest affordable one down.
+# So many steps are tried from the largest affordable one down, every second of the grid.
 STEP_TRIES: Final = 3
 
 # A sample of the surface is no longer than this share of a spacing (quadrature error below 0.003 spacings).
@@ -66,12 +69,11 @@ MOMENT_GAP: Final = 1e-3
 
 # A lock less likely than 10^this by chance is worth decoding.
 DECODE_LOG10: Final = -3.0
-# Newton passes at most, and when they may stop: the largest error of an offset in steps, of a frame moment.
-SOLVE_PASSES: Final = 8
+# Newton passes at most, and the largest error, in steps, with which they may stop.
+SOLVE_PASSES: Final = 10
 SOLVE_TOLERANCE: Final = 0.03
-SOLVE_FRAME_TOLERANCE: Final = 1e-6
-# A pass that leaves more than this share of the best error so far is the last.
-SLOW_SOLVE: Final = 0.9
+# A pass with so many times the best error so far is the last.
+HOPELESS_SOLVE: Final = 3.0
 # A cell further than this from its target, in steps, says nothing any more: a larger error is no worse.
 LOST_ERROR: Final = 0.25
 

@@ -17,9 +17,11 @@ from meshmark.geometry.sampling import Samples, plan_samples
 from meshmark.geometry.weld import Welded
 from meshmark.mesh import FloatArray
 from meshmark.schemes.ncdg_lv.parameters import (
+    CARRIER_ENOUGH,
     CARRIER_READABLE,
     EXTRACT_SELECTION,
     LONGEST_SAMPLE,
+    SPACING_TRIES,
     STEPS,
     preferred_spacings,
 )
@@ -52,22 +54,27 @@ def readings(
 ) -> Iterator[Reading]:
     """Yield a reading for each spacing and frame alternative with enough cells, likeliest first.
 
-    wide: also with axes of nearly equal moments exchanged.
+    wide: also with axes of nearly equal moments exchanged, and all spacings instead of the first few.
     spacings: those to read; by default all that an embedding may have chosen.
     """
     frame = canonical_frame(surface.points, surface.faces)
     canonical = frame.to_canonical(surface.points)
-    tried = 0
+    tried, rich = 0, 0
     for spacing in spacings or preferred_spacings(frame.area):
         lattice = Lattice.keyed(key, spacing)
         samples = plan_samples(canonical, surface.faces, LONGEST_SAMPLE * spacing)(canonical)
+        count = 0
         for other in frame_alternatives(frame, exchange=wide):
             turn = frame.axes.T @ other.axes
             cells, keys = read_cells(samples, lattice, turn, code_length)
-            if len(cells.nodes) < CARRIER_READABLE:
+            count = len(cells.nodes)
+            if count < CARRIER_READABLE:
                 break  # about as many whichever way the lattice lies
             tried += len(STEPS)
             yield _at_best_step(cells, keys, tried)
+        rich += count >= CARRIER_ENOUGH
+        if rich == SPACING_TRIES and not wide:
+            return
 
 
 def read_cells(

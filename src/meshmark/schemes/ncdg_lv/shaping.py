@@ -25,11 +25,10 @@ from meshmark.schemes.ncdg_lv.bumps import FRAME_ROWS, Bumps, frame_values
 from meshmark.schemes.ncdg_lv.parameters import (
     EMBED_SELECTION,
     EXTRACT_SELECTION,
+    HOPELESS_SOLVE,
     LONGEST_SAMPLE,
     LOST_ERROR,
     MOMENT_GAP,
-    SLOW_SOLVE,
-    SOLVE_FRAME_TOLERANCE,
     SOLVE_PASSES,
     SOLVE_TOLERANCE,
 )
@@ -87,18 +86,21 @@ class Shaping:
             placed = self._placed + length[:, None] * self._bumps.normals
             error = (target - self._offsets(placed)) / step
             frame_error = wanted - frame_values(self._lattice.points(placed), self._surface.faces)
-            total = float(np.minimum(np.abs(error), LOST_ERROR).sum())
-            slow = total > SLOW_SOLVE * best_error
+            drift = self._drift(frame_error) / step
+            total = float(np.minimum(np.abs(error) + drift, LOST_ERROR).sum())
             if total < best_error:
                 best, best_error = length, total
-            if slow:
+            elif total > HOPELESS_SOLVE * best_error:
                 break
-            worst = np.abs(error[held]).max(initial=0.0)
-            if worst < SOLVE_TOLERANCE and np.abs(frame_error).max() < SOLVE_FRAME_TOLERANCE:
+            far = np.abs(error) >= SOLVE_TOLERANCE
+            if drift < SOLVE_TOLERANCE and not (far & held).any():
                 break
-            held &= (np.abs(error) < SOLVE_TOLERANCE) | (np.abs(error) < previous)
+            held &= ~far | (np.abs(error) < previous)
             previous = np.abs(error)
-            length = length + self._bumps.displacement(frame_error, np.where(held, error, 0.0) * step)
+            length = length + self._bumps.settle(frame_error)
+            if (far & held).any():
+                corrected = np.where(held, error, 0.0) * step
+                length = length + self._bumps.displacement(np.zeros(FRAME_ROWS), corrected)
         return self._surface.points + (best * self._unit)[:, None] * self._scene_normals
 
     @property
@@ -143,6 +145,16 @@ class Shaping:
         change = np.zeros(FRAME_ROWS)
         change[3:6] = apart / apart.sum() - self._frame.moments
         return change
+
+    def _drift(self, frame_error: FloatArray) -> float:
+        """Return how far such an error of the frame values moves a typical cell, in spacings.
+
+        An error of a mixed moment turns the axes by itself over the difference of their moments.
+        """
+        xx, yy, zz = self._frame.moments + self._frame_change[3:6]
+        turns = np.abs(frame_error[6:] / np.array([xx - yy, xx - zz, yy - zz]))
+        moved = np.concatenate([np.abs(frame_error[:6]), turns])
+        return float(np.sqrt((moved**2).sum() / 3.0)) / self._lattice.spacing
 
     def _offsets(self, placed: FloatArray) -> FloatArray:
         """Return (f,): the free cells' offsets with the points at these lattice coordinates."""

@@ -1,0 +1,68 @@
+"""The open edges of a surface: where moving it changes a flux by more than what passes through its faces.
+
+A flux of F through a surface that moves by v changes by the integral of div F (v . n) over the surface plus the
+line integral of F x v along its border. Inner edges cancel, being walked once each way; what is left over are
+borders, and edges where faces disagree about their side.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+
+from meshmark.mesh import FloatArray, IntArray
+
+__all__ = ["EdgeSamples", "sample_open_edges"]
+
+# An edge is split into this many pieces at most.
+MAX_PIECES = 64
+
+
+@dataclass(frozen=True, eq=False)
+class EdgeSamples:
+    """Points on the open edges of a surface.
+
+    positions: (e, 3); steps: (e, 3) piece of border that each stands for, as a vector along it.
+    motion:    (e, p) weights of the points at the edge's ends, so that motion @ v is the motion of the samples.
+    """
+
+    positions: FloatArray
+    steps: FloatArray
+    motion: sp.csr_array
+
+
+def sample_open_edges(points: FloatArray, faces: IntArray, longest: float) -> EdgeSamples:
+    """Return samples of the open edges, no piece longer than `longest`."""
+    start, end, excess = _open_edges(faces, len(points))
+    along = points[end] - points[start]
+    length = np.sqrt(np.einsum("ij,ij->i", along, along))
+    pieces = np.clip(np.ceil(length / longest), 1, MAX_PIECES).astype(np.int64)
+    edge = np.repeat(np.arange(len(start)), pieces)
+    first = np.cumsum(pieces) - pieces
+    place = (np.arange(len(edge)) - first[edge] + 0.5) / pieces[edge]
+    rows = np.arange(len(edge))
+    motion = sp.csr_array(
+        (
+            np.concatenate([1.0 - place, place]),
+            (np.concatenate([rows, rows]), np.concatenate([start[edge], end[edge]])),
+        ),
+        shape=(len(edge), len(points)),
+    )
+    steps = along[edge] * (excess[edge] / pieces[edge])[:, None]
+    return EdgeSamples(points[start[edge]] + place[:, None] * along[edge], steps, motion)
+
+
+def _open_edges(faces: IntArray, count: int) -> tuple[IntArray, IntArray, FloatArray]:
+    """Return start, end and how many times more often an edge is walked this way than the other."""
+    one, other = faces[:, [0, 1, 2]].ravel(), faces[:, [1, 2, 0]].ravel()
+    forward = one < other
+    name = np.where(forward, one * count + other, other * count + one)
+    order = np.argsort(name, kind="stable")
+    named = name[order]
+    first = np.flatnonzero(np.diff(named, prepend=-1))
+    excess = np.add.reduceat(np.where(forward, 1.0, -1.0)[order], first) if len(first) else np.zeros(0)
+    is_open = np.flatnonzero(excess)
+    start, end = np.divmod(named[first[is_open]], count)
+    return start, end, excess[is_open]
