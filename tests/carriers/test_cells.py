@@ -3,11 +3,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from meshmark.carriers.cells import cell_gradient, measure_cells
+from meshmark.carriers.cells import border_gradient, cell_gradient, measure_cells
 from meshmark.carriers.lattice import Lattice
 from meshmark.carriers.selection import find_cells, select_cells
 from meshmark.coding.keys import Key
 from meshmark.geometry.areas import area_vectors, vertex_normals
+from meshmark.geometry.open_edges import sample_open_edges
 from meshmark.geometry.sampling import Samples, plan_samples
 from tests.shapes import pebble
 
@@ -71,6 +72,32 @@ def test_gradient_predicts_the_change_under_a_smooth_displacement():
     change = after.offset[find_cells(after, cells.nodes)] - cells.offset
     predicted = cell_gradient(samples, cells) @ sampler.normal_motion(samples, normals) @ lengths
     assert np.abs(change - predicted).max() < 0.06 * np.abs(change).max()
+
+
+@pytest.mark.parametrize("surface", ["open", "soup", "one face turned over"])
+def test_with_the_border_term_the_gradient_holds_for_open_surfaces(surface):
+    points, faces = placed_pebble()
+    faces = faces[points[faces].mean(axis=1)[:, 0] > points[:, 0].mean()]
+    if surface == "soup":
+        points, faces = points[faces].reshape(-1, 3), np.arange(faces.size).reshape(-1, 3)
+    elif surface == "one face turned over":
+        faces = np.concatenate([faces[:-1], faces[-1:, ::-1]])
+    sampler = plan_samples(points, faces, 0.25)
+    samples = sampler(points)
+    cells = measure_cells(samples)
+    cells = cells.take(select_cells(cells, (0.35, 0.7, 0.5)))
+    normals = vertex_normals(points, faces)
+    lengths = 1e-5 * np.random.default_rng(4).normal(size=len(points))
+    after = measure_cells(sampler(points + lengths[:, None] * normals))
+    change = after.offset[find_cells(after, cells.nodes)] - cells.offset
+    faces_part = cell_gradient(samples, cells) @ sampler.normal_motion(samples, normals) @ lengths
+    edges = sample_open_edges(points, faces, 0.25)
+    border = sum(
+        border_gradient(edges, np.eye(3)[axis], cells) @ (edges.motion @ (lengths * normals[:, axis]))
+        for axis in range(3)
+    )
+    assert np.linalg.norm(faces_part + border - change) < 0.1 * np.linalg.norm(change)
+    assert np.linalg.norm(faces_part - change) > np.linalg.norm(faces_part + border - change)
 
 
 def test_refining_the_mesh_hardly_changes_the_statistic():

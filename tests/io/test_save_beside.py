@@ -59,7 +59,7 @@ def test_verification_sees_complete_files_and_stops_the_save(tmp_path):
         seen.append(read_mesh(path).vertices)
         raise MeshmarkError("no")
 
-    with pytest.raises(MeshmarkError, match="^no$"):
+    with pytest.raises(MeshmarkError, match=r"^no$"):
         write_mesh(moved, target / "marked.gltf", verify=refuse)
     assert contents(target) == {}
     assert list(target.iterdir()) == []

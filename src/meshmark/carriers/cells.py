@@ -131,21 +131,21 @@ def cell_gradient(samples: Samples, cells: Cells) -> sp.csr_array:
     def change(row: IntArray, _: IntArray, arm: FloatArray, inside: FloatArray) -> FloatArray:
         slope = -2.0 * POWER * inside ** (POWER - 1)  # grad w = slope * arm
         along = np.einsum("qi,qi->q", arm, cells.normal[row])
-        return 3.0 * inside**POWER + slope * (1.0 - inside) - cells.offset[row] * slope * along
+        return np.asarray(3.0 * inside**POWER + slope * (1.0 - inside) - cells.offset[row] * slope * along)
 
     return _at_pairs(samples.positions, cells, change)
 
 
-def border_gradient(edges: EdgeSamples, normals: FloatArray, cells: Cells) -> sp.csr_array:
-    """Return (n, e): what open edges add, per unit of displacement of each edge sample along `normals` (e, 3).
+def border_gradient(edges: EdgeSamples, direction: FloatArray, cells: Cells) -> sp.csr_array:
+    """Return (n, e): what open edges add, per unit of displacement of each edge sample along `direction` (3,).
 
     The line integral of F x v, with F = w (x - c) for the numerator and w N for the denominator's length.
     """
-    turned = np.cross(normals, edges.steps)
+    turned = np.cross(direction, edges.steps)
 
     def change(row: IntArray, sample: IntArray, arm: FloatArray, inside: FloatArray) -> FloatArray:
         field = arm - cells.offset[row, None] * cells.normal[row]
-        return inside**POWER * np.einsum("qi,qi->q", field, turned[sample])
+        return np.asarray(inside**POWER * np.einsum("qi,qi->q", field, turned[sample]))
 
     return _at_pairs(edges.positions, cells, change)
 

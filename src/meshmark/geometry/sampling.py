@@ -17,8 +17,10 @@ from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["Sampler", "Samples", "plan_samples"]
 
-# A face is split so far that huge ones cannot exhaust memory; the window then sees a coarser sum.
+# A face is split into so many rows, and all faces into about so many samples, at most: huge or very spiky surfaces
+# cannot exhaust memory; the window then sees a coarser sum.
 MAX_SPLIT = 64
+MAX_SAMPLES = 1_500_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,9 +94,12 @@ class Sampler:
 
 
 def plan_samples(points: FloatArray, faces: IntArray, longest: float) -> Sampler:
-    """Choose samples so that no piece of surface is longer than `longest` (units of `points`)."""
+    """Choose samples so that, up to a limit on their number, no piece is longer than `longest`."""
     edge = np.sqrt(_longest_squares(points, faces))
     pieces = np.clip(np.ceil(edge / longest), 1, MAX_SPLIT).astype(np.int64)
+    excess = float((pieces[pieces > 1] ** 2).sum()) / MAX_SAMPLES
+    if excess > 1.0:
+        pieces = np.clip(np.ceil(edge / (longest * np.sqrt(excess))), 1, MAX_SPLIT).astype(np.int64)
     owners, weights, shares = [], [], []
     for count in np.unique(pieces[pieces > 1]):
         split = np.flatnonzero(pieces == count)

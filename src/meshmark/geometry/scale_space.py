@@ -92,19 +92,22 @@ def _chebyshev_sums(walk: csr_array, values: FloatArray, factors: FloatArray) ->
     now = walk @ before
     sums += np.multiply.outer(factors[:, 1], now)
     twice = csr_array((2.0 * walk.data, walk.indices, walk.indptr), shape=walk.shape)
-    flat = sums.reshape(len(sums), -1)
-    for column in factors.T[2:]:
+    rows = list(sums.reshape(len(sums), -1))
+    for column in factors.T[2:].tolist():
         after = twice @ now
-        _subtract_and_add_up(after.reshape(-1), before.reshape(-1), column, flat)
+        _subtract_and_add_up(after.reshape(-1), before.reshape(-1), column, rows)
         before, now = now, after
     return sums
 
 
-def _subtract_and_add_up(after: FloatArray, before: FloatArray, column: FloatArray, sums: FloatArray) -> None:
+def _subtract_and_add_up(
+    after: FloatArray, before: FloatArray, column: list[float], sums: list[FloatArray]
+) -> None:
     """`after -= before; sums[j] += column[j] * after`, block by block so that each number is fetched once."""
     for start in range(0, after.size, BLOCK):
-        part = after[start : start + BLOCK]
-        part -= before[start : start + BLOCK]
+        block = slice(start, start + BLOCK)
+        part = after[block]
+        np.subtract(part, before[block], part)
         for row, factor in zip(sums, column, strict=True):
             if factor:
-                daxpy(part, row[start : start + BLOCK], a=factor)  # adds in place: both are float64 in a row
+                daxpy(part, row[block], a=factor)  # adds in place: both are float64 in a row

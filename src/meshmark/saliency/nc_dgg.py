@@ -79,8 +79,8 @@ def tangent_distance(
     offset = discrete_gaussian_sum(walk, centred, alphas)
     centred *= np.size(alphas)
     offset -= centred
-    distance: FloatArray = np.einsum("ij,ij->i", normals, offset)
-    return distance
+    offset *= normals
+    return offset[:, 0] + offset[:, 1] + offset[:, 2]
 
 
 def model_diagonal(points: FloatArray, areas: FloatArray) -> float:

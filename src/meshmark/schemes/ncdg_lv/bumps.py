@@ -136,8 +136,7 @@ def _border_part(points: FloatArray, faces: IntArray, normals: FloatArray, cells
     """Return (n, p): the part of the offsets' gradient that open edges add."""
     edges = sample_open_edges(points, faces, LONGEST_SAMPLE)
     parts = [
-        border_gradient(edges, np.eye(3)[[axis]].repeat(len(edges.positions), axis=0), cells)
-        @ edges.motion.multiply(normals[None, :, axis])
+        border_gradient(edges, np.eye(3)[axis], cells) @ edges.motion.multiply(normals[None, :, axis])
         for axis in range(3)
     ]
     return sp.csr_array(parts[0] + parts[1] + parts[2])

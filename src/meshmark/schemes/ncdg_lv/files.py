@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from time import perf_counter
 
 from meshmark.coding.keys import Key
 from meshmark.errors import CapacityError
@@ -26,9 +27,10 @@ def embed_file(
     """Mark the model file `model` and write the result to `out`; see `embed` for the arguments.
 
     The complete files are written under temporary names, read again and extracted blind; only then do they
-    take their places. Raises what reading, embedding and writing raise, and `CapacityError` where the id is
+    take their places; `seconds` counts all of it. Raises what reading, embedding and writing raise, and `CapacityError` where the id is
     not found in the written file (a target format too coarse for the mark); nothing is left behind then.
     """
+    start = perf_counter()
     mesh = read_mesh(model)
     result = embed(mesh, key, id, strength, layers)
 
@@ -40,7 +42,7 @@ def embed_file(
             )
 
     report = write_mesh(result.mesh, out, verify=read_back)
-    remarks = (
-        (f"{Path(out).name} cannot hold the model's {', '.join(report.dropped)}",) if report.dropped else ()
-    )
-    return replace(result, remarks=remarks)
+    remarks: tuple[str, ...] = ()
+    if report.dropped:
+        remarks = (f"{Path(out).name} cannot hold the model's {', '.join(report.dropped)}",)
+    return replace(result, seconds=perf_counter() - start, remarks=remarks)
