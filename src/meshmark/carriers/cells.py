@@ -20,6 +20,7 @@ from itertools import product
 import numpy as np
 import scipy.sparse as sp
 
+from meshmark.geometry.blocks import blocks
 from meshmark.geometry.open_edges import EdgeSamples
 from meshmark.geometry.sampling import Samples
 from meshmark.mesh import FloatArray, IntArray
@@ -97,23 +98,36 @@ def _windows(fraction: FloatArray) -> Iterator[tuple[tuple[int, int, int], Float
         yield corner, np.maximum(1.0 - x - y - z, 0.0)
 
 
+def _touched(grid: _Grid, number: IntArray) -> tuple[IntArray, IntArray]:
+    """Return the numbers of the nodes around the samples, and for every node of the grid its place among them."""
+    mark = np.zeros(grid.count, dtype=bool)
+    for corner in _CORNERS:
+        mark[number + grid.number(grid.low + np.array(corner))] = True
+    touched = np.flatnonzero(mark)
+    place = np.zeros(grid.count, np.int64)
+    place[touched] = np.arange(len(touched))
+    return touched, place
+
+
 def measure_cells(samples: Samples) -> Cells:
     """Measure every cell touched by samples given in lattice coordinates, (q, 3)."""
     grid, number, fraction = _around(samples.positions)
-    ax, ay, az = vectors = np.ascontiguousarray(samples.vectors.T)
-    flux = np.einsum("qi,iq->q", fraction, vectors)
-    sums = np.zeros((5, grid.count))
-    for corner, inside in _windows(fraction):
-        window = inside * inside * inside
-        target = number + grid.number(grid.low + np.array(corner))
-        through = flux.copy()
-        for axis, bit in enumerate(corner):
-            if bit:
-                through -= vectors[axis]
-        for row, values in enumerate((ax, ay, az, through, samples.areas)):
-            sums[row] += np.bincount(target, window * values, grid.count)
-    touched = np.flatnonzero(sums[4] > 0.0)
-    sums = sums[:, touched]
+    touched, place = _touched(grid, number)
+    sums = np.zeros((5, len(touched)))
+    for part in blocks(len(number)):
+        ax, ay, az = vectors = np.ascontiguousarray(samples.vectors[part].T)
+        flux = np.einsum("qi,iq->q", fraction[part], vectors)
+        for corner, inside in _windows(fraction[part]):
+            window = inside * inside * inside
+            target = place.take(number[part] + grid.number(grid.low + np.array(corner)))
+            through = flux.copy()
+            for axis, bit in enumerate(corner):
+                if bit:
+                    through -= vectors[axis]
+            for row, values in enumerate((ax, ay, az, through, samples.areas[part])):
+                sums[row] += np.bincount(target, window * values, len(touched))
+    seen = sums[4] > 0.0
+    touched, sums = touched[seen], sums[:, seen]
     strength = np.sqrt(sums[0] ** 2 + sums[1] ** 2 + sums[2] ** 2)
     safe = np.where(strength > 0.0, strength, 1.0)
     return Cells(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse import csc_array
 
+from meshmark.geometry.blocks import blocks
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = [
@@ -19,14 +20,15 @@ __all__ = [
 
 def area_vectors(points: FloatArray, faces: IntArray) -> FloatArray:
     """Return (m, 3): the normal of each face times its area, half the cross product of two edges."""
-    a = points.take(faces[:, 0], axis=0)  # `take` gathers rows three times as fast as indexing
-    u = points.take(faces[:, 1], axis=0)
-    u -= a
-    v = points.take(faces[:, 2], axis=0)
-    v -= a
     out = np.empty((len(faces), 3))
-    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):  # twice as fast as np.cross
-        out[:, i] = u[:, j] * v[:, k] - u[:, k] * v[:, j]
+    for part in blocks(len(faces)):
+        a = points.take(faces[part, 0], axis=0)  # `take` gathers rows three times as fast as indexing
+        u = points.take(faces[part, 1], axis=0)
+        u -= a
+        v = points.take(faces[part, 2], axis=0)
+        v -= a
+        for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):  # twice as fast as np.cross
+            out[part, i] = u[:, j] * v[:, k] - u[:, k] * v[:, j]
     out *= 0.5
     return out
 

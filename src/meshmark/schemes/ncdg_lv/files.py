@@ -27,8 +27,9 @@ def embed_file(
     """Mark the model file `model` and write the result to `out`; see `embed` for the arguments.
 
     The complete files are written under temporary names, read again and extracted blind; only then do they
-    take their places; `seconds` counts all of it. Raises what reading, embedding and writing raise, and `CapacityError` where the id is
-    not found in the written file (a target format too coarse for the mark); nothing is left behind then.
+    take their places; `seconds` counts all of it. Raises what reading, embedding and writing raise, and
+    `CapacityError` where the id is not found in the written file (a target format too coarse for the mark);
+    nothing is left behind then.
     """
     start = perf_counter()
     mesh = read_mesh(model)
