@@ -1,6 +1,7 @@
 """Share of models whose id comes back blind, untouched and after what leaves the shape alone, per size class.
 
 python -m benchmarks.clean_channel [--folders models/test psb/test] [--strength standard] [--workers 2]
+    [--limit N] [--variants none similarity ...]
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ import hashlib
 import sys
 import tempfile
 from collections import defaultdict
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
 
@@ -81,7 +82,7 @@ VARIANTS: dict[str, Variant] = {
 }
 
 
-def run_model(path: Path, strength: str) -> dict[str, object]:
+def run_model(path: Path, strength: str, variants: Sequence[str]) -> dict[str, object]:
     """Mark a model through the file system and read every variant; what fails is a row, not a crash."""
     name = path.name.split(".")[0]
     random = np.random.default_rng(int.from_bytes(hashlib.sha256(name.encode()).digest()[:8], "little"))
@@ -99,8 +100,8 @@ def run_model(path: Path, strength: str) -> dict[str, object]:
         diagonal = np.linalg.norm(np.ptp(mesh.vertices, axis=0))
         row["rms"] = 100.0 * float(np.sqrt((change**2).sum(axis=1).mean()) / diagonal)
         row["carriers"], row["seconds"] = result.carriers, result.seconds
-        for variant, function in VARIANTS.items():
-            row[variant] = extract(function(again, random), key).id == identity
+        for variant in variants:
+            row[variant] = extract(VARIANTS[variant](again, random), key).id == identity
     except MeshmarkError as error:
         row["note"] = str(error)
     return row
@@ -113,37 +114,38 @@ def main() -> int:
     parser.add_argument("--strength", default="standard")
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--limit", type=int)
+    parser.add_argument("--variants", nargs="+", choices=VARIANTS, default=list(VARIANTS))
     arguments = parser.parse_args()
     paths = list(model_paths(*arguments.folders))[: arguments.limit]
     rows = []
     with ProcessPoolExecutor(arguments.workers) as pool:
-        jobs = [pool.submit(run_model, path, arguments.strength) for path in paths]
+        jobs = [pool.submit(run_model, path, arguments.strength, arguments.variants) for path in paths]
         for job in as_completed(jobs):
             rows.append(row := job.result())
-            failed = [variant for variant in VARIANTS if row.get(variant) is not True]
+            failed = [variant for variant in arguments.variants if row.get(variant) is not True]
             state = "all read" if not failed else row["note"] or "MISSED " + ", ".join(failed)
             print(
                 f"{row['model']:32s} {row.get('points', 0):>7} points  rms {row.get('rms', 0):.4f} %  "
                 f"carriers {row.get('carriers', '-'):>4}  {row.get('seconds', 0):6.2f} s  {state}",
                 flush=True,
             )
-    return report(rows, strength=arguments.strength)
+    return report(rows, arguments.strength, arguments.variants)
 
 
-def report(rows: list[dict[str, object]], strength: str) -> int:
+def report(rows: list[dict[str, object]], strength: str, variants: Sequence[str]) -> int:
     """Print success per size class and variant; a refusal is a miss."""
     classes: dict[object, list[dict[str, object]]] = defaultdict(list)
     for row in rows:
         classes[row["size"]].append(row)
     print(f"\nid recovered blind, strength {strength}, share of all models (refusals are misses)\n")
-    print("| size class | models | refused | largest RMS % |", " | ".join(VARIANTS), "|")
-    print("|---|" + "---|" * (len(VARIANTS) + 3))
+    print("| size class | models | refused | largest RMS % |", " | ".join(variants), "|")
+    print("|---|" + "---|" * (len(variants) + 3))
     missed = 0
     for _, name in (*SIZE_CLASSES, (0, "?")):
         group = classes.get(name, [])
         if not group:
             continue
-        rates = [sum(row.get(variant) is True for row in group) / len(group) for variant in VARIANTS]
+        rates = [sum(row.get(variant) is True for row in group) / len(group) for variant in variants]
         refused = sum(bool(row["note"]) for row in group)
         worst = max(float(str(row.get("rms", 0.0))) for row in group)
         print(

@@ -5,7 +5,8 @@ import pytest
 
 from meshmark.carriers.cells import border_gradient, cell_gradient, measure_cells
 from meshmark.carriers.lattice import Lattice
-from meshmark.carriers.selection import find_cells, select_cells
+from meshmark.carriers.nodes import find_nodes
+from meshmark.carriers.selection import select_cells
 from meshmark.coding.keys import Key
 from meshmark.geometry.areas import area_vectors, vertex_normals
 from meshmark.geometry.open_edges import sample_open_edges
@@ -69,7 +70,7 @@ def test_gradient_predicts_the_change_under_a_smooth_displacement():
     normals = vertex_normals(points, faces)
     lengths = 1e-4 * np.sin(points @ [1.0, 0.7, -0.4])
     after = measure_cells(sampler(points + lengths[:, None] * normals))
-    change = after.offset[find_cells(after, cells.nodes)] - cells.offset
+    change = after.offset[find_nodes(after.nodes, cells.nodes)] - cells.offset
     predicted = cell_gradient(samples, cells) @ sampler.normal_motion(samples, normals) @ lengths
     assert np.abs(change - predicted).max() < 0.06 * np.abs(change).max()
 
@@ -89,7 +90,7 @@ def test_with_the_border_term_the_gradient_holds_for_open_surfaces(surface):
     normals = vertex_normals(points, faces)
     lengths = 1e-5 * np.random.default_rng(4).normal(size=len(points))
     after = measure_cells(sampler(points + lengths[:, None] * normals))
-    change = after.offset[find_cells(after, cells.nodes)] - cells.offset
+    change = after.offset[find_nodes(after.nodes, cells.nodes)] - cells.offset
     faces_part = cell_gradient(samples, cells) @ sampler.normal_motion(samples, normals) @ lengths
     edges = sample_open_edges(points, faces, 0.25)
     border = sum(
@@ -105,7 +106,7 @@ def test_refining_the_mesh_hardly_changes_the_statistic():
     coarse = measure_cells(plan_samples(points, faces, 0.25)(points))
     coarse = coarse.take(select_cells(coarse, (0.35, 0.7, 0.5)))
     fine = measure_cells(plan_samples(points, faces, 0.05)(points))
-    change = fine.offset[find_cells(fine, coarse.nodes)] - coarse.offset
+    change = fine.offset[find_nodes(fine.nodes, coarse.nodes)] - coarse.offset
     assert np.sqrt((change**2).mean()) < 0.003
 
 
@@ -124,8 +125,21 @@ def test_zero_mean_noise_of_the_area_vectors_averages_out_over_more_faces():
     assert error_under_face_noise(80) < 0.65 * error_under_face_noise(40)
 
 
-def test_find_cells_knows_what_is_gone():
+def test_find_nodes_knows_what_is_gone():
     points, faces = placed_pebble()
     cells = measure_cells(plan_samples(points, faces, 0.25)(points))
     wanted = np.concatenate([cells.nodes[[5, 0, 9]], cells.nodes[:1] + 1000])
-    assert find_cells(cells, wanted).tolist() == [5, 0, 9, -1]
+    assert find_nodes(cells.nodes, wanted).tolist() == [5, 0, 9, -1]
+
+
+def test_outliers_and_areas_of_zero_cost_nothing():
+    points, faces = placed_pebble()
+    samples = plan_samples(points, faces, 0.25)(points)
+    far = Samples(
+        np.concatenate([samples.positions, [[3e5, -3e5, 3e5], [1e300, 0, 0], [9e4, 0, 0]]]),
+        np.concatenate([samples.vectors, np.ones((3, 3))]),
+        np.concatenate([samples.areas, [0.0, 1.0, 1.0]]),
+    )
+    one, other = measure_cells(samples), measure_cells(far)
+    assert len(other.nodes) <= len(one.nodes) + 8
+    np.testing.assert_allclose(other.offset[find_nodes(other.nodes, one.nodes)], one.offset, atol=1e-12)

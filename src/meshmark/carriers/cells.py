@@ -13,13 +13,13 @@ sample reaches only the eight nodes around it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import product
 
 import numpy as np
 import scipy.sparse as sp
 
+from meshmark.carriers.nodes import REACH, find_nodes, surroundings
 from meshmark.geometry.blocks import blocks
 from meshmark.geometry.open_edges import EdgeSamples
 from meshmark.geometry.sampling import Samples
@@ -29,7 +29,6 @@ __all__ = ["Cells", "border_gradient", "cell_gradient", "measure_cells"]
 
 PLANE_MASS = np.pi / 4.0  # integral of the window over a plane through its node
 POWER = 3
-_CORNERS = tuple((i, j, k) for i, j, k in product((0, 1), repeat=3))
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,83 +55,30 @@ class Cells:
         )
 
 
-@dataclass(frozen=True, eq=False)
-class _Grid:
-    """Linear numbers of the nodes in a box: low corner (3,) and sizes (3,)."""
-
-    low: IntArray
-    sizes: IntArray
-
-    @classmethod
-    def around(cls, base: IntArray) -> _Grid:
-        low = base.min(axis=0)
-        return cls(low, base.max(axis=0) - low + 2)
-
-    @property
-    def count(self) -> int:
-        return int(np.prod(self.sizes))
-
-    def number(self, nodes: IntArray) -> IntArray:
-        i, j, k = (nodes - self.low).T
-        return np.asarray((i * self.sizes[1] + j) * self.sizes[2] + k)
-
-    def nodes(self, numbers: IntArray) -> IntArray:
-        rest, k = np.divmod(numbers, self.sizes[2])
-        i, j = np.divmod(rest, self.sizes[1])
-        return np.column_stack([i, j, k]) + self.low
-
-
-def _around(positions: FloatArray) -> tuple[_Grid, IntArray, FloatArray]:
-    base = np.floor(positions).astype(np.int64)
-    grid = _Grid.around(base)
-    return grid, grid.number(base), positions - base
-
-
-def _windows(fraction: FloatArray) -> Iterator[tuple[tuple[int, int, int], FloatArray]]:
-    """Yield for each of the 8 nodes around a sample its corner and max(0, 1 - r^2) (q,)."""
-    near = fraction * fraction
-    far = near - 2.0 * fraction + 1.0
-    squares = (near.T.copy(), far.T.copy())
-    for corner in _CORNERS:
-        x, y, z = (squares[bit][axis] for axis, bit in enumerate(corner))
-        yield corner, np.maximum(1.0 - x - y - z, 0.0)
-
-
-def _touched(grid: _Grid, number: IntArray) -> tuple[IntArray, IntArray]:
-    """Return the numbers of the nodes around the samples, and for every node of the grid its place among them."""
-    mark = np.zeros(grid.count, dtype=bool)
-    for corner in _CORNERS:
-        mark[number + grid.number(grid.low + np.array(corner))] = True
-    touched = np.flatnonzero(mark)
-    place = np.zeros(grid.count, np.int64)
-    place[touched] = np.arange(len(touched))
-    return touched, place
-
-
 def measure_cells(samples: Samples) -> Cells:
     """Measure every cell touched by samples given in lattice coordinates, (q, 3)."""
-    grid, number, fraction = _around(samples.positions)
-    touched, place = _touched(grid, number)
-    sums = np.zeros((5, len(touched)))
-    for part in blocks(len(number)):
+    counted = (samples.areas > 0.0) & (np.abs(samples.positions) < REACH - 2).all(axis=1)
+    if not counted.all():
+        samples = Samples(samples.positions[counted], samples.vectors[counted], samples.areas[counted])
+    around = surroundings(samples.positions)
+    count = len(around.nodes)
+    sums = np.zeros((5, count))
+    for part in blocks(len(samples.areas)):
         ax, ay, az = vectors = np.ascontiguousarray(samples.vectors[part].T)
-        flux = np.einsum("qi,iq->q", fraction[part], vectors)
-        for corner, inside in _windows(fraction[part]):
+        flux = np.einsum("qi,iq->q", around.fraction[part], vectors)
+        for corner, inside, node in around.windows(part):
             window = inside * inside * inside
-            target = place.take(number[part] + grid.number(grid.low + np.array(corner)))
             through = flux.copy()
-            for axis, bit in enumerate(corner):
-                if bit:
-                    through -= vectors[axis]
+            for axis in np.flatnonzero(corner):
+                through -= vectors[axis]
             for row, values in enumerate((ax, ay, az, through, samples.areas[part])):
-                sums[row] += np.bincount(target, window * values, len(touched))
+                sums[row] += np.bincount(node, window * values, count)
     seen = sums[4] > 0.0
-    touched, sums = touched[seen], sums[:, seen]
+    sums = sums[:, seen]
     strength = np.sqrt(sums[0] ** 2 + sums[1] ** 2 + sums[2] ** 2)
     safe = np.where(strength > 0.0, strength, 1.0)
-    return Cells(
-        grid.nodes(touched), sums[3] / safe, (sums[:3] / safe).T, strength / PLANE_MASS, strength / sums[4]
-    )
+    offset, normal = sums[3] / safe, (sums[:3] / safe).T
+    return Cells(around.nodes[seen], offset, normal, strength / PLANE_MASS, strength / sums[4])
 
 
 def cell_gradient(samples: Samples, cells: Cells) -> sp.csr_array:
@@ -170,22 +116,19 @@ def _at_pairs(
     change: Callable[[IntArray, IntArray, FloatArray, FloatArray], FloatArray],
 ) -> sp.csr_array:
     """Return (n, q): `change(row, sample, arm, 1 - r^2)` over the cell's flux, for samples within its window."""
-    rows, columns, values = [], [], []
-    if len(positions):
-        grid, number, fraction = _around(positions)
-        row_of = np.full(grid.count, -1, np.int64)
-        within = ((cells.nodes >= grid.low) & (cells.nodes < grid.low + grid.sizes)).all(axis=1)
-        row_of[grid.number(cells.nodes[within])] = np.flatnonzero(within)
-        for corner, inside in _windows(fraction):
-            row = row_of[number + grid.number(grid.low + np.array(corner))]
-            hit = np.flatnonzero((row >= 0) & (inside > 0.0))
-            arm = fraction[hit] - np.array(corner, dtype=float)
-            rows.append(row[hit])
-            columns.append(hit)
-            values.append(change(row[hit], hit, arm, inside[hit]) / (cells.mass[row[hit]] * PLANE_MASS))
     shape = (len(cells.nodes), len(positions))
-    if not rows:
+    if 0 in shape:
         return sp.csr_array(shape)
+    around = surroundings(np.clip(positions, 2 - REACH, REACH - 2))
+    row_of = find_nodes(cells.nodes, around.nodes)
+    rows, columns, values = [], [], []
+    for corner, inside, node in around.windows(slice(None)):
+        row = row_of.take(node)
+        hit = np.flatnonzero((row >= 0) & (inside > 0.0))
+        rows.append(row[hit])
+        columns.append(hit)
+        moved = change(row[hit], hit, around.fraction[hit] - corner, inside[hit])
+        values.append(moved / (cells.mass[row[hit]] * PLANE_MASS))
     return sp.csr_array(
         (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=shape
     )

@@ -12,8 +12,9 @@ import numpy as np
 
 from meshmark.carriers.cells import Cells, measure_cells
 from meshmark.carriers.lattice import Lattice
+from meshmark.carriers.nodes import find_nodes
 from meshmark.carriers.quantisation import nearest_offsets
-from meshmark.carriers.selection import find_cells, select_cells
+from meshmark.carriers.selection import select_cells
 from meshmark.coding.keys import Key
 from meshmark.coding.polar import Bits
 from meshmark.geometry.areas import vertex_areas
@@ -159,5 +160,5 @@ class Shaping:
     def _offsets(self, placed: FloatArray) -> FloatArray:
         """Return (f,): the free cells' offsets with the points at these lattice coordinates."""
         cells = measure_cells(self._sampler(placed))
-        found = find_cells(cells, self._cells.nodes)
+        found = find_nodes(cells.nodes, self._cells.nodes)
         return np.where(found >= 0, cells.offset[found], self._cells.offset)
