@@ -8,6 +8,7 @@ from scipy.sparse import csr_array, eye_array
 from scipy.sparse.linalg import expm_multiply
 from scipy.special import ive
 
+from meshmark.geometry import scale_space
 from meshmark.geometry.adjacency import mean_squared_edge, unique_edges
 from meshmark.geometry.scale_space import discrete_gaussian, discrete_gaussian_sum, random_walk
 from meshmark.geometry.weld import weld
@@ -82,6 +83,15 @@ def test_the_series_is_cut_within_the_tolerance() -> None:
     for tolerance in (1e-3, 1e-6, 1e-9):
         error = np.abs(discrete_gaussian(walk, points, ALPHAS, tolerance) - exact).max()
         assert error <= tolerance * np.linalg.norm(points)
+
+
+def test_without_the_private_kernel_of_scipy_nothing_changes(monkeypatch: pytest.MonkeyPatch) -> None:
+    points, faces = random_mesh(50)
+    walk = random_walk(points, unique_edges(faces))
+    expected = discrete_gaussian(walk, points, ALPHAS)
+    assert scale_space.csr_matvecs is not None
+    monkeypatch.setattr(scale_space, "csr_matvecs", None)
+    np.testing.assert_allclose(discrete_gaussian(walk, points, ALPHAS), expected, atol=1e-14)
 
 
 def test_inputs_are_left_alone() -> None:

@@ -18,14 +18,18 @@ from scipy.sparse import csr_array, diags_array
 from meshmark.geometry.adjacency import adjacency
 from meshmark.mesh import FloatArray, IntArray
 
+try:  # what scipy itself multiplies with; called directly it adds onto an array instead of making a new one
+    from scipy.sparse._sparsetools import csr_matvecs
+except ImportError:  # it is private and may move
+    csr_matvecs = None  # type: ignore[assignment]
+
 __all__ = ["WalkWeights", "discrete_gaussian", "discrete_gaussian_sum", "random_walk", "terms"]
 
 WalkWeights = Literal["uniform", "inverse_length"]
 
 TOLERANCE = 1e-12
-BLOCK = 1 << 13
-"""Numbers handled together between two products. Three such blocks stay in a core's cache, and one is too small
-for BLAS to wake its threads."""
+BLOCK = 9_000
+"""Numbers that BLAS gets at a time: too few for it to wake its threads, which cost more than they give here."""
 
 
 def random_walk(points: FloatArray, edges: IntArray, weights: WalkWeights = "uniform") -> csr_array:
@@ -84,30 +88,38 @@ def _coefficients(alphas: ArrayLike, tolerance: float) -> FloatArray:
 
 
 def _chebyshev_sums(walk: csr_array, values: FloatArray, factors: FloatArray) -> FloatArray:
-    """Return (j, n, k): `sum_m factors[j, m] T_m(walk) values`, by T_m+1 = 2 W T_m - T_m-1."""
-    before = np.ascontiguousarray(values, dtype=np.float64)
+    """Return (j, n, k): `sum_m factors[j, m] T_m(walk) values`.
+
+    The recurrence T_m+1 = 2 W T_m - T_m-1 is run on S_m = T_m, T_m, -T_m, -T_m, ... in turn: there it reads
+    S_m+1 = S_m-1 -+ 2 W S_m, so each product is added onto the term before and needs no pass of its own.
+    """
+    before = np.array(values, dtype=np.float64, order="C")
     sums = np.multiply.outer(factors[:, 0], before)
     if factors.shape[1] == 1:
         return sums
-    now = walk @ before
-    sums += np.multiply.outer(factors[:, 1], now)
-    twice = csr_array((2.0 * walk.data, walk.indices, walk.indptr), shape=walk.shape)
     rows = list(sums.reshape(len(sums), -1))
-    for column in factors.T[2:].tolist():
-        after = twice @ now
-        _subtract_and_add_up(after.reshape(-1), before.reshape(-1), column, rows)
-        before, now = now, after
+    now = walk @ before
+    _add_up(rows, now.reshape(-1), factors[:, 1].tolist())
+    steps = (-2.0 * walk.data, 2.0 * walk.data)
+    for m, column in enumerate(factors.T[2:].tolist()):
+        _add_product(walk, steps[m % 2], now, before)
+        before, now = now, before
+        _add_up(rows, now.reshape(-1), column if m % 4 > 1 else [-factor for factor in column])
     return sums
 
 
-def _subtract_and_add_up(
-    after: FloatArray, before: FloatArray, column: list[float], sums: list[FloatArray]
-) -> None:
-    """`after -= before; sums[j] += column[j] * after`, block by block so that each number is fetched once."""
-    for start in range(0, after.size, BLOCK):
-        block = slice(start, start + BLOCK)
-        part = after[block]
-        np.subtract(part, before[block], part)
-        for row, factor in zip(sums, column, strict=True):
-            if factor:
-                daxpy(part, row[block], a=factor)  # adds in place: both are float64 in a row
+def _add_product(pattern: csr_array, data: FloatArray, values: FloatArray, onto: FloatArray) -> None:
+    """`onto += A @ values` for the matrix A with `data` at the places of `pattern`; arrays (n, k) in C order."""
+    if csr_matvecs is None:
+        onto += csr_array((data, pattern.indices, pattern.indptr), shape=pattern.shape) @ values
+    else:
+        size = (*pattern.shape, values.shape[1])
+        csr_matvecs(*size, pattern.indptr, pattern.indices, data, values.reshape(-1), onto.reshape(-1))
+
+
+def _add_up(sums: list[FloatArray], term: FloatArray, factors: list[float]) -> None:
+    """`sums[j] += factors[j] * term`, in blocks."""
+    for total, factor in zip(sums, factors, strict=True):
+        for start in range(0, term.size if factor else 0, BLOCK):
+            block = slice(start, start + BLOCK)
+            daxpy(term[block], total[block], a=factor)  # adds in place: both are float64 in a row
