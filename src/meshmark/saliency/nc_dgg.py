@@ -75,7 +75,7 @@ def tangent_distance(
     The normal is the same at every scale, so the smoothed positions are summed first and the cost is that of
     the largest scale.
     """
-    centred = _moved(points, np.full(len(points), 1.0 / len(points)) @ points)
+    centred = _moved(points, np.ones(len(points)) @ points / len(points))
     offset = discrete_gaussian_sum(walk, centred, alphas)
     centred *= np.size(alphas)
     offset -= centred
