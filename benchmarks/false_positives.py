@@ -32,7 +32,7 @@ def run_model(path: Path, trials: int) -> list[tuple[str, str, float]]:
         return []
     marked: Mesh | None = None
     with contextlib.suppress(MeshmarkError):  # refused: all its trials are of the unmarked model
-        marked = embed(mesh, Key(random.bytes(32)), 1).mesh
+        marked = embed(mesh, Key(random.bytes(32)), id=1).mesh
     rows = []
     for trial in range(trials):
         kind, suspect = ("wrong key", marked) if trial % 2 and marked is not None else ("unmarked", mesh)

@@ -52,9 +52,7 @@ class Mesh:
             raise InputError(f"vertex {row} has a coordinate that is not finite, expected finite numbers")
         if faces.size and (faces.min() < 0 or faces.max() >= len(vertices)):
             row = int(np.argmax(((faces < 0) | (faces >= len(vertices))).any(axis=1)))
-            raise InputError(
-                f"face {row} has a vertex index out of range, expected 0 to {len(vertices) - 1}"
-            )
+            raise InputError(f"face {row} has a vertex index out of range, expected 0 to {len(vertices) - 1}")
         object.__setattr__(self, "vertices", _frozen(vertices))
         object.__setattr__(self, "faces", _frozen(faces))
 

@@ -25,7 +25,7 @@ def model() -> Mesh:
 
 @pytest.fixture(scope="module")
 def marked(model):
-    return embed(model, KEY, ID)
+    return embed(model, KEY, id=ID)
 
 
 def subdivide(mesh: Mesh) -> Mesh:
@@ -39,7 +39,7 @@ def subdivide(mesh: Mesh) -> Mesh:
 
 @pytest.mark.parametrize("strength", list(BUDGETS))
 def test_every_strength_keeps_its_budget_and_is_read(model, strength):
-    result = embed(model, KEY, ID, strength)
+    result = embed(model, KEY, id=ID, strength=strength)
     moved = np.sqrt(((result.mesh.vertices - model.vertices) ** 2).sum(axis=1).mean())
     diagonal = np.linalg.norm(np.ptp(model.vertices, axis=0))
     assert moved / diagonal <= BUDGETS[strength]
@@ -80,15 +80,15 @@ def test_unmarked_models_and_wrong_keys_are_absent(model, marked):
 
 def test_same_input_same_key_same_output_and_input_unchanged(model, marked):
     before = model.vertices.copy()
-    np.testing.assert_array_equal(embed(model, KEY, ID).mesh.vertices, marked.mesh.vertices)
+    np.testing.assert_array_equal(embed(model, KEY, id=ID).mesh.vertices, marked.mesh.vertices)
     np.testing.assert_array_equal(model.vertices, before)
-    assert (embed(model, OTHER, ID).mesh.vertices != marked.mesh.vertices).any()
+    assert (embed(model, OTHER, id=ID).mesh.vertices != marked.mesh.vertices).any()
 
 
 def test_coincident_vertices_stay_coincident(model):
     corners = model.vertices[model.faces].reshape(-1, 3)
     soup = Mesh(corners, np.arange(len(corners)).reshape(-1, 3))
-    result = embed(soup, KEY, ID)
+    result = embed(soup, KEY, id=ID)
     order = model.faces.ravel()
     first = np.full(len(model.vertices), -1)
     first[order[::-1]] = np.arange(len(order))[::-1]
@@ -98,14 +98,14 @@ def test_coincident_vertices_stay_coincident(model):
 
 def test_vertices_outside_the_surface_do_not_move(model):
     extra = np.array([[9.0, 9.0, 9.0], [-0.0, 0.0, 7.0]])
-    result = embed(Mesh(np.concatenate([extra, model.vertices]), model.faces + 2), KEY, ID)
+    result = embed(Mesh(np.concatenate([extra, model.vertices]), model.faces + 2), KEY, id=ID)
     assert result.mesh.vertices[:2].tobytes() == extra.tobytes()
 
 
 def test_a_symmetric_shape_gets_axes_of_its_own(model):
     unit = model.vertices / np.linalg.norm(model.vertices, axis=1)[:, None]
     ball = Mesh(unit, model.faces)
-    result = embed(ball, KEY, ID)
+    result = embed(ball, KEY, id=ID)
     turned = Mesh((result.mesh.vertices @ rotation(b"u" * 32).T).astype(np.float32).astype(float), ball.faces)
     assert extract(turned, KEY).id == ID
     assert -np.diff(canonical_frame(turned.vertices, turned.faces).moments).max() > 5e-4
@@ -114,16 +114,34 @@ def test_a_symmetric_shape_gets_axes_of_its_own(model):
 def test_too_little_surface_is_refused_with_what_is_missing():
     box = Mesh(*pebble(14))
     with pytest.raises(CapacityError, match=r"needs about \d+ carriers, has \d+ .*no strength helps"):
-        embed(box, KEY, ID)
+        embed(box, KEY, id=ID)
 
 
 @pytest.mark.parametrize(
     ("arguments", "message"),
-    [({"id": 2**64}, "64 bits"), ({"strength": "huge"}, "unknown strength"), ({"layers": "both"}, "layers")],
+    [({"id": 2**64}, "64-bit"), ({"strength": "huge"}, "unknown strength"), ({"layers": "both"}, "layers")],
 )
 def test_arguments_out_of_range_are_refused(model, arguments, message):
     with pytest.raises(InputError, match=message):
         embed(model, KEY, **arguments)
+
+
+def test_a_stray_vertex_does_not_stretch_the_budget(model):
+    far = Mesh(np.concatenate([model.vertices, [[1e6, 0.0, 0.0]]]), model.faces)
+    result = embed(far, KEY, id=ID)
+    moved = np.sqrt(((result.mesh.vertices[:-1] - model.vertices) ** 2).sum(axis=1).mean())
+    assert moved <= BUDGETS["standard"] * np.linalg.norm(np.ptp(model.vertices, axis=0))
+
+
+@pytest.mark.parametrize("scale", [1e-80, 1e80])
+def test_any_unit_will_do(model, scale):
+    result = embed(Mesh(model.vertices * scale, model.faces), KEY, id=ID)
+    assert extract(result.mesh, KEY).id == ID
+
+
+def test_marking_again_with_the_same_id_still_reads(marked):
+    again = embed(marked.mesh, KEY, id=ID)
+    assert extract(again.mesh, KEY).id == ID
 
 
 def test_a_drawn_id_comes_back_and_the_result_speaks_json(model):

@@ -20,6 +20,8 @@ __all__ = ["Frame", "canonical_frame", "frame_alternatives", "surface_moments"]
 
 # Axes whose second moments differ by less than this share of their sum may change places under an attack.
 SWAP_GAP = 0.04
+# Models below this size, or above its inverse, are refused.
+SMALLEST = 1e-100
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,6 +94,14 @@ def canonical_frame(points: FloatArray, faces: IntArray) -> Frame:
     The axes are the eigenvectors of the second moments, the signs those that make the third moments positive;
     of a mirrored triple the axis with the smallest third moment is turned. Raises `InputError` for no surface.
     """
+    low, high = points.min(axis=0), points.max(axis=0)
+    size = float((high - low).max())
+    if not SMALLEST < size < 1.0 / SMALLEST:
+        raise InputError(
+            f"the model's size is {size:.3g}, expected {SMALLEST:.0e} to {1.0 / SMALLEST:.0e} units"
+        )
+    middle = low + (high - low) / 2.0
+    points = (points - middle) / size  # squares and cubes of any unit stay in range
     areas = face_areas(points, faces)
     area, centre, second = surface_moments(points, faces, areas)
     values, vectors = np.linalg.eigh(second)
@@ -103,7 +113,8 @@ def canonical_frame(points: FloatArray, faces: IntArray) -> Frame:
     axes = axes * np.where(third < 0.0, -1.0, 1.0)
     if np.linalg.det(axes) < 0.0:
         axes[:, np.argmin(np.abs(third))] *= -1.0
-    return Frame(centre, scale, np.ascontiguousarray(axes), values / values.sum(), area / scale**2)
+    axes = np.ascontiguousarray(axes)
+    return Frame(middle + size * centre, size * scale, axes, values / values.sum(), area / scale**2)
 
 
 def frame_alternatives(frame: Frame, exchange: bool = False) -> Iterator[Frame]:

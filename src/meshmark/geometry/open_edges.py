@@ -16,8 +16,9 @@ from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["EdgeSamples", "sample_open_edges"]
 
-# An edge is split into this many pieces at most.
+# An edge is split into this many pieces, and all edges into about so many samples, at most.
 MAX_PIECES = 64
+MAX_SAMPLES = 500_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +40,9 @@ def sample_open_edges(points: FloatArray, faces: IntArray, longest: float) -> Ed
     along = points[end] - points[start]
     length = np.sqrt(np.einsum("ij,ij->i", along, along))
     pieces = np.clip(np.ceil(length / longest), 1, MAX_PIECES).astype(np.int64)
+    crowding = float(pieces.sum()) / MAX_SAMPLES
+    if crowding > 1.0:
+        pieces = np.clip(np.ceil(length / (longest * crowding)), 1, MAX_PIECES).astype(np.int64)
     edge = np.repeat(np.arange(len(start)), pieces)
     first = np.cumsum(pieces) - pieces
     place = (np.arange(len(edge)) - first[edge] + 0.5) / pieces[edge]

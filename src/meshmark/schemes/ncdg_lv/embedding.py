@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-import secrets
 from bisect import bisect_left
 from collections.abc import Iterator
 from dataclasses import dataclass
-from math import log10
+from math import inf, log10
 from time import perf_counter
 
 import numpy as np
+from numpy.typing import NDArray
 
 from meshmark.coding.codec import Codec
 from meshmark.coding.keys import Key
+from meshmark.coding.message import check_id, random_id
 from meshmark.coding.polar import Bits
 from meshmark.errors import CapacityError, InputError
 from meshmark.geometry.frame import Frame, canonical_frame
@@ -46,22 +47,22 @@ class _Attempt:
 
 @on_one_thread
 def embed(
-    mesh: Mesh, key: Key, id: int | None = None, strength: str = "standard", layers: str = "ownership"
+    mesh: Mesh, key: Key, *, id: int | None = None, strength: str = "standard", layers: str = "ownership"
 ) -> Embedding:
     """Return `mesh` carrying a 64-bit id under `key`; without an id a random one is drawn.
 
     strength: "subtle", "standard" or "strong", an RMS displacement of at most 0.02, 0.08 or 0.2 % of the
-    bounding-box diagonal. The step is the largest within the budget whose mark, rounded to what the file can
-    hold, is read back blind.
+    bounding-box diagonal (of the vertices that faces use). The first of a few steps, from the largest that seems
+    within the budget down, is taken whose mark, rounded to what the file can hold, is read back blind.
 
     Raises `InputError` for arguments that cannot be used, `CapacityError` where the mesh cannot carry 64 bits.
     """
     start = perf_counter()
-    identity = secrets.randbits(64) if id is None else id
-    _check(identity, strength, layers)
+    identity = random_id() if id is None else check_id(id)
+    _check(strength, layers)
     codec = Codec(key)
     bits = codec.encode(identity)
-    diagonal = float(np.linalg.norm(np.ptp(mesh.vertices, axis=0)))
+    diagonal = float(np.linalg.norm(np.ptp(mesh.vertices[_used(mesh)], axis=0)))
     surface = weld(mesh)
     frame = canonical_frame(surface.points, surface.faces)
     most = 0
@@ -70,7 +71,10 @@ def embed(
         most = max(most, carriers)
         if carriers < CARRIER_MINIMUM:
             continue
-        likeliest = shaping.spacing == preferred_spacings(frame.area)[0]
+        # Marking changes the area by far less than this.
+        likeliest = {preferred_spacings(frame.area * change)[0] for change in (0.97, 1.03)} == {
+            shaping.spacing
+        }
         attempt = _largest_step(
             mesh, surface, key, identity, shaping, BUDGETS[strength] * diagonal, likeliest
         )
@@ -79,9 +83,7 @@ def embed(
     raise CapacityError(_advice(most, len(surface.points), strength))
 
 
-def _check(identity: int, strength: str, layers: str) -> None:
-    if not 0 <= identity < 2**64:
-        raise InputError("the id has more than 64 bits, expected 0 to 2^64 - 1")
+def _check(strength: str, layers: str) -> None:
     if strength not in BUDGETS:
         raise InputError(f"unknown strength '{strength}', expected one of {', '.join(BUDGETS)}")
     if layers != "ownership":
@@ -120,7 +122,7 @@ def _largest_step(
         moved = (points != surface.points).any(axis=1)[surface.point_of_vertex]
         vertices = np.where(moved[:, None], points[surface.point_of_vertex], mesh.vertices)
         marked = mesh.with_vertices(conform(mesh, vertices))
-        rms = _rms(marked.vertices - mesh.vertices)
+        rms = _rms((marked.vertices - mesh.vertices)[_used(mesh)])
         if rms > budget:
             continue
         found = extract(marked, key, spacings=[shaping.spacing])  # fails sooner than all spacings would
@@ -129,6 +131,13 @@ def _largest_step(
         if found.id == identity:
             return _Attempt(marked, rms, found)
     return None
+
+
+def _used(mesh: Mesh) -> NDArray[np.bool_]:
+    """Return (n,): the vertices that faces use; stray ones must not stretch the budget."""
+    used = np.zeros(len(mesh.vertices), dtype=bool)
+    used[mesh.faces.ravel()] = True
+    return used
 
 
 def _rms(displacement: FloatArray) -> float:
@@ -150,7 +159,7 @@ def _finish(
         payload_bytes=0,
         rms_over_diagonal=attempt.rms / diagonal,
         max_over_diagonal=largest / diagonal,
-        psnr_db=20.0 * log10(diagonal / attempt.rms),
+        psnr_db=20.0 * log10(diagonal / attempt.rms) if attempt.rms > 0.0 else inf,
         verified=True,
         seconds=seconds,
     )

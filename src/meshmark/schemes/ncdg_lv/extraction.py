@@ -27,11 +27,12 @@ SEARCHES = ("quick", "wide")
 
 @on_one_thread
 def extract(
-    mesh: Mesh, key: Key, search: str = "quick", spacings: Sequence[float] | None = None
+    mesh: Mesh, key: Key, *, search: str = "quick", spacings: Sequence[float] | None = None
 ) -> Extraction:
     """Read the id from `mesh` with `key` alone.
 
-    search: "quick" tries the signs of the frame's axes, "wide" also exchanges axes that are nearly alike.
+    search: "quick" tries the signs of the frame's axes, "wide" also exchanges axes that are nearly alike
+    and reads every spacing instead of the first few.
     spacings: lattice spacings to read; by default all that an embedding may have chosen.
 
     Hypotheses are scored by their lock, which does not depend on the message; those that stand out are decoded.
@@ -44,7 +45,7 @@ def extract(
     codec = Codec(key)
     best: Reading | None = None
     for reading in readings(weld(mesh), key, codec.n, search == "wide", spacings):
-        if best is None or reading.log10_chance < best.log10_chance:
+        if best is None or _lock_bound(reading) < _lock_bound(best):
             best = reading
         if reading.log10_chance > DECODE_LOG10:
             continue
@@ -69,6 +70,10 @@ def _log10_bound(log10_chance: float, hypotheses: int) -> float:
     return min(0.0, log10(hypotheses) + log10_chance + log10(1.0 - log10_chance * log(10.0)))
 
 
+def _lock_bound(reading: Reading) -> float:
+    return _log10_bound(reading.log10_chance, reading.hypotheses)
+
+
 def _present(reading: Reading, codec: Codec, decoded: Decoded, bound: float, seconds: float) -> Extraction:
     bits = codec.encode(decoded.id or 0)[reading.keys.code_index]
     agreeing = int(((np.cos(reading.phase) < 0.0) == (bits == 1)).sum())
@@ -83,7 +88,7 @@ def _without_id(best: Reading | None, seconds: float) -> Extraction:
     if best is None:
         advice = "The model has too few carriers to tell whether it is marked."
         return Extraction("inconclusive", None, 0.0, "blind", 0, 0, 0.0, advice, seconds)
-    bound = _log10_bound(best.log10_chance, best.hypotheses)
+    bound = _lock_bound(best)
     count = len(best.phase)
     found = Extraction("absent", None, bound, "blind", count, 0, best.score / count, "", seconds)
     if bound <= PRESENT_LOG10:

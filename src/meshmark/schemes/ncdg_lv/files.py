@@ -33,7 +33,7 @@ def embed_file(
     """
     start = perf_counter()
     mesh = read_mesh(model)
-    result = embed(mesh, key, id, strength, layers)
+    result = embed(mesh, key, id=id, strength=strength, layers=layers)
 
     def read_back(written: Path) -> None:
         if extract(read_mesh(written), key).id != result.id:

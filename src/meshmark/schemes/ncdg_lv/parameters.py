@@ -12,11 +12,12 @@ __all__ = [
     "CARRIER_ENOUGH",
     "CARRIER_GOAL",
     "CARRIER_MINIMUM",
+    "CARRIER_PLENTY",
     "CARRIER_READABLE",
     "DECODE_LOG10",
     "EMBED_SELECTION",
     "EXTRACT_SELECTION",
-    "HOPELESS_SOLVE",
+    "HOPELESS_ERROR",
     "LONGEST_SAMPLE",
     "LOST_ERROR",
     "MOMENT_GAP",
@@ -24,6 +25,7 @@ __all__ = [
     "SOLVE_PASSES",
     "SOLVE_TOLERANCE",
     "SPACINGS",
+    "SPACING_ORDER",
     "SPACING_TRIES",
     "STEPS",
     "STEP_TRIES",
@@ -41,6 +43,8 @@ SPACINGS: Final = 0.5 * 2.0 ** (-np.arange(19) / 4.0)
 CARRIER_GOAL: Final = 300
 # A spacing with this many carriers is taken; else the one with most.
 CARRIER_ENOUGH: Final = 170
+# An extraction that saw so many takes the spacing for one of those: more, as an attack may have lost or added some.
+CARRIER_PLENTY: Final = 200
 # Below so many carriers of a 64-bit id no decoder can tell it from chance (decision 0004).
 CARRIER_MINIMUM: Final = 110
 # Fewer carriers than this are not read at all: nothing could be told from them.
@@ -48,7 +52,7 @@ CARRIER_READABLE: Final = 60
 # Spacings tried around the preferred one, nearest first; thin walls need finer ones.
 SPACING_ORDER: Final = (0, 1, 2, 3, -1, 4, 5, -2)
 
-# Embedding uses one of the first so many of them that have carriers enough, or one with fewer carriers.
+# Embedding uses one of the first so many spacings that have carriers enough, or one with fewer carriers.
 SPACING_TRIES: Final = 3
 
 # Quantisation steps in spacings. Above the largest, bumps become visible and the solve nonlinear.
@@ -72,8 +76,8 @@ DECODE_LOG10: Final = -3.0
 # Newton passes at most, and the largest error, in steps, with which they may stop.
 SOLVE_PASSES: Final = 10
 SOLVE_TOLERANCE: Final = 0.03
-# A pass with so many times the best error so far is the last.
-HOPELESS_SOLVE: Final = 3.0
+# After three passes, a mean error of this many steps will not come down far enough any more.
+HOPELESS_ERROR: Final = 0.12
 # A cell further than this from its target, in steps, says nothing any more: a larger error is no worse.
 LOST_ERROR: Final = 0.25
 

@@ -17,7 +17,7 @@ from meshmark.geometry.sampling import Samples, plan_samples
 from meshmark.geometry.weld import Welded
 from meshmark.mesh import FloatArray
 from meshmark.schemes.ncdg_lv.parameters import (
-    CARRIER_ENOUGH,
+    CARRIER_PLENTY,
     CARRIER_READABLE,
     EXTRACT_SELECTION,
     LONGEST_SAMPLE,
@@ -34,7 +34,8 @@ class Reading:
     """The cells under one hypothesis of frame and spacing, at its best quantisation step.
 
     phase: (n,) radians; score: sum of cos(2 phase); log10_chance: of the score alone, one hypothesis;
-    hypotheses: how many (frame, spacing, step) were scored up to and including this reading.
+    hypotheses: what this reading's chance is to be multiplied by. The t-th reading is charged (steps) t (t + 1):
+    as the 1 / (t (t + 1)) add up to 1, the bound holds for all readings together, wherever the search stops.
     """
 
     cells: Cells
@@ -60,19 +61,19 @@ def readings(
     frame = canonical_frame(surface.points, surface.faces)
     canonical = frame.to_canonical(surface.points)
     tried, rich = 0, 0
-    for spacing in spacings or preferred_spacings(frame.area):
+    for spacing in preferred_spacings(frame.area) if spacings is None else spacings:
         lattice = Lattice.keyed(key, spacing)
         samples = plan_samples(canonical, surface.faces, LONGEST_SAMPLE * spacing)(canonical)
-        count = 0
+        fewest = 0
         for other in frame_alternatives(frame, exchange=wide):
             turn = frame.axes.T @ other.axes
             cells, keys = read_cells(samples, lattice, turn, code_length)
-            count = len(cells.nodes)
-            if count < CARRIER_READABLE:
+            fewest = min(fewest or len(cells.nodes), len(cells.nodes))
+            if fewest < CARRIER_READABLE:
                 break  # about as many whichever way the lattice lies
-            tried += len(STEPS)
-            yield _at_best_step(cells, keys, tried)
-        rich += count >= CARRIER_ENOUGH
+            tried += 1
+            yield _at_best_step(cells, keys, len(STEPS) * tried * (tried + 1))
+        rich += fewest >= CARRIER_PLENTY
         if rich == SPACING_TRIES and not wide:
             return
 
@@ -92,9 +93,9 @@ def read_cells(
     return cells, lattice.keys(cells.nodes, code_length)
 
 
-def _at_best_step(cells: Cells, keys: CellKeys, tried: int) -> Reading:
+def _at_best_step(cells: Cells, keys: CellKeys, hypotheses: int) -> Reading:
     phases = bit_phase(cells.offset, keys.dither, STEPS[:, None])
     scores = lock_score(phases)
     best = int(np.argmax(scores))
     score = float(scores[best])
-    return Reading(cells, keys, phases[best], score, log10_lock_chance(score, len(cells.nodes)), tried)
+    return Reading(cells, keys, phases[best], score, log10_lock_chance(score, len(cells.nodes)), hypotheses)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
+from math import inf
 from typing import Any
 
 from meshmark.coding.message import format_id
@@ -17,7 +18,8 @@ class Embedding:
 
     id: the 64-bit id; layers: what was embedded; vertices, faces: of the file; carriers: cells that an
     extraction reads; rms_over_diagonal, max_over_diagonal: vertex displacement over the bounding-box diagonal;
-    psnr_db: 20 log10(diagonal / RMS); verified: the positions as the file holds them were decoded again.
+    psnr_db: 20 log10(diagonal / RMS), infinite where nothing moved (null in JSON);
+    verified: the positions as the file holds them were decoded again.
     remarks: sentences about what a conversion to another format dropped.
     """
 
@@ -69,6 +71,8 @@ class Extraction:
 
 def _plain(result: Embedding | Extraction) -> dict[str, Any]:
     values = {field.name: getattr(result, field.name) for field in fields(result) if field.name != "mesh"}
+    if values.get("psnr_db") == inf:
+        values["psnr_db"] = None
     if result.id is not None:
         values["id"] = format_id(result.id)
     return values

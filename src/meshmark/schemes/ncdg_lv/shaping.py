@@ -26,7 +26,7 @@ from meshmark.schemes.ncdg_lv.bumps import FRAME_ROWS, Bumps, frame_values
 from meshmark.schemes.ncdg_lv.parameters import (
     EMBED_SELECTION,
     EXTRACT_SELECTION,
-    HOPELESS_SOLVE,
+    HOPELESS_ERROR,
     LONGEST_SAMPLE,
     LOST_ERROR,
     MOMENT_GAP,
@@ -83,7 +83,7 @@ class Shaping:
         held = np.ones(len(target), dtype=bool)
         previous = np.full(len(target), np.inf)
         best, best_error = length, np.inf
-        for _ in range(SOLVE_PASSES):
+        for turn in range(SOLVE_PASSES):
             placed = self._placed + length[:, None] * self._bumps.normals
             error = (target - self._offsets(placed)) / step
             frame_error = wanted - frame_values(self._lattice.points(placed), self._surface.faces)
@@ -91,7 +91,7 @@ class Shaping:
             total = float(np.minimum(np.abs(error) + drift, LOST_ERROR).sum())
             if total < best_error:
                 best, best_error = length, total
-            elif total > HOPELESS_SOLVE * best_error:
+            if turn >= 2 and best_error > HOPELESS_ERROR * len(target):
                 break
             far = np.abs(error) >= SOLVE_TOLERANCE
             if drift < SOLVE_TOLERANCE and not (far & held).any():
@@ -120,12 +120,13 @@ class Shaping:
     def _copies(self) -> FloatArray:
         """Share of the file's vertices that each point stands for (p,)."""
         copies = np.bincount(self._surface.point_of_vertex, minlength=len(self._surface.points))
+        copies[self._areas == 0.0] = 0
         return np.asarray(copies / copies.sum())
 
     @cached_property
     def _areas(self) -> FloatArray:
         """Share of the surface that each point stands for (p,)."""
-        areas = vertex_areas(self._surface.points, self._surface.faces)
+        areas = vertex_areas(self._placed, self._surface.faces)
         return np.asarray(areas / areas.sum())
 
     @cached_property

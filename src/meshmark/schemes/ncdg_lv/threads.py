@@ -1,7 +1,7 @@
 """Linear algebra on one thread.
 
 The matrices are small; beside another job on the same cores several threads spend their time waiting for each
-other. Whoever wants all cores runs several models at once.
+other. The limit holds for the process while one call runs. Whoever wants all cores runs several models at once.
 """
 
 from __future__ import annotations
