@@ -18,6 +18,9 @@ __all__ = ["FloatArray", "IntArray", "Mesh"]
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
+# Squares and cubes of coordinates up to this stay in the range of double precision.
+LARGEST = 1e100
+
 
 def _frozen(array: NDArray[Any]) -> NDArray[Any]:
     view = array.view()
@@ -50,6 +53,9 @@ class Mesh:
         if not np.isfinite(vertices).all():
             row = int(np.argmin(np.isfinite(vertices).all(axis=1)))
             raise InputError(f"vertex {row} has a coordinate that is not finite, expected finite numbers")
+        if vertices.size and max(vertices.max(), -vertices.min()) > LARGEST:
+            row = int(np.argmax((np.abs(vertices) > LARGEST).any(axis=1)))
+            raise InputError(f"vertex {row} has a coordinate beyond {LARGEST:.0e}, whose square overflows")
         if faces.size and (faces.min() < 0 or faces.max() >= len(vertices)):
             row = int(np.argmax(((faces < 0) | (faces >= len(vertices))).any(axis=1)))
             raise InputError(f"face {row} has a vertex index out of range, expected 0 to {len(vertices) - 1}")

@@ -332,3 +332,20 @@ def test_textured_models_lose_nothing(shared_data: Path) -> None:
         mask = np.zeros(len(ours.blob), bool)
         mask[document.points.address[:, None] + np.arange(12)] = True
         assert np.array_equal(ours.blob[~mask], theirs.blob[~mask])
+
+
+def test_skinned_mesh_stands_where_its_joints_put_it(tmp_path: Path) -> None:
+    sample = cube()
+    sample.tree["nodes"][0]["skin"] = 0
+    sample.tree["nodes"][0]["translation"] = [99, 99, 99]  # ignored
+    scale, move = 100.0, np.array([1.0, 2.0, 3.0])
+    joints = [sample.put("nodes", translation=[1, 2, 3], scale=[scale] * 3), sample.put("nodes")]
+    # each joint's matrix, seen from where the joint stands now, is the same: the model is at rest
+    matrices = np.tile(np.eye(4), (2, 1, 1))
+    matrices[1, :3, :3] *= scale
+    matrices[1, :3, 3] = move
+    rows = matrices.transpose(0, 2, 1).reshape(2, 16)
+    sample.put("skins", joints=joints, inverseBindMatrices=sample.array(rows, plain=True))
+    sample.tree["scenes"][0]["nodes"] += joints
+    document, _, _ = opened(sample, "glb", tmp_path)
+    np.testing.assert_allclose(document.vertices, CUBE * scale + move, rtol=1e-6)

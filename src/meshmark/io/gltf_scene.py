@@ -2,8 +2,8 @@
 
 All nodes of all scenes count; a file without scenes shows all its root nodes, one without nodes each mesh
 once. Meshes that no scene reaches, points and lines stay untouched and are no part of the surface, nor is
-what a node flattens (scale 0). A skinned mesh counts as it is stored, in its bind pose: glTF 2.0 section
-3.7.3.3 has its node's transform ignored. GPU instances and level-of-detail extensions are not expanded.
+what a node flattens (scale 0). A skinned mesh stands where its joints put it at rest (`gltf_skin.py`). GPU
+instances and level-of-detail extensions are not expanded.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from meshmark.errors import FormatError
 from meshmark.io.gltf_accessor import Accessor, open_accessor
 from meshmark.io.gltf_container import Container
 from meshmark.io.gltf_schema import Json, integer, numbers, objects, reference, references
+from meshmark.io.gltf_skin import skin_placement
 from meshmark.io.placement import Affine
 from meshmark.mesh import IntArray
 
@@ -169,7 +170,8 @@ def _showings(container: Container) -> list[tuple[int, Affine]]:
     roots = _roots(container, parent)
     # With at most one parent each and starting from nodes without one, the walk meets no node twice.
     stack = [(root, Affine.identity()) for root in reversed(roots)]
-    found = []
+    found: list[tuple[int, Affine, int | None]] = []
+    world: dict[int, Affine] = {}
     while stack:
         number, above = stack.pop()
         node, where = nodes[number], f"node {number}"
@@ -177,10 +179,14 @@ def _showings(container: Container) -> list[tuple[int, Affine]]:
         mesh = reference(node, "mesh", where, meshes)
         if not (np.isfinite(affine.linear).all() and np.isfinite(affine.offset).all()):
             raise FormatError(f"{where}: its transform is beyond the range of floating point numbers")
+        world[number] = affine
         if mesh is not None:
-            found.append((mesh, Affine.identity() if "skin" in node else affine))
+            found.append((mesh, affine, reference(node, "skin", where, container.tables["skins"])))
         stack += [(child, affine) for child in reversed(children[number])]
-    return found
+    return [
+        (mesh, affine if skin is None else skin_placement(container, skin, world))
+        for mesh, affine, skin in found
+    ]
 
 
 def _roots(container: Container, parent: dict[int, int]) -> list[int]:

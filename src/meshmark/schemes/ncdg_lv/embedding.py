@@ -166,11 +166,12 @@ def _finish(
 
 
 def _advice(carriers: int, points: int, strength: str) -> str:
-    text = (
-        f"the model cannot carry 64 bits at strength {strength}: it needs about {CARRIER_MINIMUM} carriers, "
-        f"has {carriers} ({points} points)"
-    )
+    text = f"the model cannot carry 64 bits at strength {strength}: it needs about {CARRIER_MINIMUM} carriers"
     if carriers < CARRIER_MINIMUM:
-        return f"{text}; no strength helps where there are too few points, or faces that point every way"
-    stronger = {"subtle": "; use --strength standard", "standard": "; use --strength strong"}
-    return f"{text}, but not within this strength's budget{stronger.get(strength, '')}"
+        return (
+            f"{text}, has {carriers} ({points} points); no strength helps where there are too few points, or faces "
+            "that point every way"
+        )
+    text = f"{text} that hold their bits, has {carriers} of which too few do ({points} points)"
+    stronger = {"subtle": "standard", "standard": "strong"}.get(strength)
+    return f"{text}; --strength {stronger} may do" if stronger else text

@@ -78,7 +78,9 @@ def _present(reading: Reading, codec: Codec, decoded: Decoded, bound: float, sec
     bits = codec.encode(decoded.id or 0)[reading.keys.code_index]
     agreeing = int(((np.cos(reading.phase) < 0.0) == (bits == 1)).sum())
     count = len(reading.phase)
-    advice = "The mark was read." if agreeing > 0.9 * count else "The mark was read from a damaged model."
+    advice = "The mark was read."
+    if agreeing < 0.7 * count:
+        advice = f"The mark was read, though only {agreeing} of its {count} places still agree."
     return Extraction(
         "present", decoded.id, bound, "blind", count, agreeing, reading.score / count, advice, seconds
     )
