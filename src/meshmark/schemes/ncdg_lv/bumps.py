@@ -19,12 +19,15 @@ from meshmark.geometry.sampling import Sampler, Samples
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.schemes.ncdg_lv.parameters import LONGEST_SAMPLE
 
-__all__ = ["FRAME_ROWS", "Bumps", "frame_gradient", "frame_values"]
+__all__ = ["FRAME_ROWS", "Bumps", "frame_gradient", "frame_values", "symmetric"]
 
 FRAME_ROWS = 9
 _PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 # Vertices of tiny area would jump far for little effect; all count at least this share of the mean.
 LEAST_AREA = 0.1
+# Where the surface is rougher than this curvature (over the canonical scale), moments hang on single vertices,
+# which would jump: they weigh more.
+STEEPEST = 40.0
 # A cell whose offset is tied to the others' to this degree cannot be set on its own.
 LEAST_FREEDOM = 0.05
 # A cell that costs this many times what most do (a window on an edge, or on few vertices) would take most of the
@@ -37,6 +40,12 @@ def frame_values(points: FloatArray, faces: IntArray) -> FloatArray:
     """Return (9,): centroid and second moments (xx, yy, zz, xy, xz, yz) per unit area."""
     _, centre, second = surface_moments(points, faces)
     return np.concatenate([centre, [second[i, j] for i, j in _PAIRS]])
+
+
+def symmetric(values: FloatArray) -> FloatArray:
+    """Return the (3, 3) matrix of second moments (xx, yy, zz, xy, xz, yz)."""
+    xx, yy, zz, xy, xz, yz = values
+    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
 
 def frame_gradient(points: FloatArray, faces: IntArray, normals: FloatArray) -> FloatArray:
@@ -95,10 +104,12 @@ class Bumps:
         faces = sampler.faces
         self.normals = vertex_normals(placed, faces)
         areas = vertex_areas(placed, faces)
-        weights = np.maximum(areas, LEAST_AREA * areas.mean()) / areas.mean()
         offsets = cell_gradient(samples, cells) @ sampler.normal_motion(samples, self.normals)
         offsets = sp.csr_array(offsets + _border_part(placed, faces, self.normals, cells))
-        frame = frame_gradient(lattice.points(placed), faces, self.normals @ lattice.axes) * lattice.spacing
+        frame = frame_gradient(lattice.points(placed), faces, self.normals @ lattice.axes)
+        steep = np.abs(frame).max(axis=0) * areas.sum() / STEEPEST
+        weights = np.maximum(np.maximum(areas, LEAST_AREA * areas.mean()), steep) / areas.mean()
+        frame *= lattice.spacing
         self._frame, self._offsets = frame / weights, sp.csr_array(offsets.multiply(1.0 / weights[None, :]))
         gram = np.block(
             [

@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 
 __all__ = [
+    "ALIKE",
     "BUDGETS",
     "BUDGET_SHARE",
     "CARRIER_ENOUGH",
@@ -15,6 +16,7 @@ __all__ = [
     "CARRIER_PLENTY",
     "CARRIER_READABLE",
     "DECODE_LOG10",
+    "DIVERGED",
     "EMBED_SELECTION",
     "EXTRACT_SELECTION",
     "HOPELESS_ERROR",
@@ -73,9 +75,13 @@ MOMENT_GAP: Final = 1e-3
 
 # A lock less likely than 10^this by chance is worth decoding.
 DECODE_LOG10: Final = -3.0
+# Axes whose moments differ by less than this turn so easily that they are held instead of followed.
+ALIKE: Final = 0.02
 # Newton passes at most, and the largest error, in steps, with which they may stop.
 SOLVE_PASSES: Final = 10
 SOLVE_TOLERANCE: Final = 0.03
+# A pass with so many times the best error so far is the last.
+DIVERGED: Final = 2.0
 # After three passes, a mean error of this many steps will not come down far enough any more.
 HOPELESS_ERROR: Final = 0.12
 # A cell further than this from its target, in steps, says nothing any more: a larger error is no worse.

@@ -22,8 +22,10 @@ from meshmark.geometry.frame import Frame
 from meshmark.geometry.sampling import plan_samples
 from meshmark.geometry.weld import Welded
 from meshmark.mesh import FloatArray
-from meshmark.schemes.ncdg_lv.bumps import FRAME_ROWS, Bumps, frame_values
+from meshmark.schemes.ncdg_lv.bumps import FRAME_ROWS, Bumps, frame_values, symmetric
 from meshmark.schemes.ncdg_lv.parameters import (
+    ALIKE,
+    DIVERGED,
     EMBED_SELECTION,
     EXTRACT_SELECTION,
     HOPELESS_ERROR,
@@ -76,29 +78,27 @@ class Shaping:
         """
         change = self._change(step)
         target = self._cells.offset + change
-        wanted = np.zeros(FRAME_ROWS)
-        wanted[3:6] = self._frame.moments
-        wanted += self._frame_change
         length = self._bumps.displacement(self._frame_change, change)
         held = np.ones(len(target), dtype=bool)
         previous = np.full(len(target), np.inf)
         best, best_error = length, np.inf
         for turn in range(SOLVE_PASSES):
-            placed = self._placed + length[:, None] * self._bumps.normals
-            error = (target - self._offsets(placed)) / step
-            frame_error = wanted - frame_values(self._lattice.points(placed), self._surface.faces)
-            drift = self._drift(frame_error) / step
-            total = float(np.minimum(np.abs(error) + drift, LOST_ERROR).sum())
+            offsets, drift = self._read(self._placed + length[:, None] * self._bumps.normals)
+            error = (target - offsets) / step
+            adrift = self._shift(drift) / step
+            total = float(np.minimum(np.abs(error) + adrift, LOST_ERROR).sum())
             if total < best_error:
                 best, best_error = length, total
+            elif total > DIVERGED * best_error:
+                break
             if turn >= 2 and best_error > HOPELESS_ERROR * len(target):
                 break
             far = np.abs(error) >= SOLVE_TOLERANCE
-            if drift < SOLVE_TOLERANCE and not (far & held).any():
+            if adrift < SOLVE_TOLERANCE and not (far & held).any():
                 break
             held &= ~far | (np.abs(error) < previous)
             previous = np.abs(error)
-            length = length + self._bumps.settle(frame_error)
+            length = length + self._bumps.settle(drift)
             if (far & held).any():
                 corrected = np.where(held, error, 0.0) * step
                 length = length + self._bumps.displacement(np.zeros(FRAME_ROWS), corrected)
@@ -148,18 +148,33 @@ class Shaping:
         change[3:6] = apart / apart.sum() - self._frame.moments
         return change
 
-    def _drift(self, frame_error: FloatArray) -> float:
-        """Return how far such an error of the frame values moves a typical cell, in spacings.
+    def _read(self, placed: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the free cells' offsets (f,), and how far the frame values (9,) are from where they are held.
 
-        An error of a mixed moment turns the axes by itself over the difference of their moments.
+        Distinct axes hardly turn: they are followed, offsets are read in the frame that the shaped surface has of
+        its own, and nothing is held. Axes that are nearly alike turn at a touch: they are held.
         """
-        xx, yy, zz = self._frame.moments + self._frame_change[3:6]
-        turns = np.abs(frame_error[6:] / np.array([xx - yy, xx - zz, yy - zz]))
-        moved = np.concatenate([np.abs(frame_error[:6]), turns])
-        return float(np.sqrt((moved**2).sum() / 3.0)) / self._lattice.spacing
-
-    def _offsets(self, placed: FloatArray) -> FloatArray:
-        """Return (f,): the free cells' offsets with the points at these lattice coordinates."""
+        points = self._lattice.points(placed)
+        values = frame_values(points, self._surface.faces)
+        drift = np.zeros(FRAME_ROWS)
+        if -np.diff(self._frame.moments).max() < ALIKE:
+            drift[3:6] = self._frame.moments
+            drift += self._frame_change - values
+        else:
+            moments, axes = np.linalg.eigh(symmetric(values[3:]))
+            axes = axes[:, ::-1]
+            axes = axes * np.where(np.diag(axes) < 0.0, -1.0, 1.0)
+            placed = self._lattice.coordinates((points - values[:3]) @ (axes / np.sqrt(moments.sum())))
         cells = measure_cells(self._sampler(placed))
         found = find_nodes(cells.nodes, self._cells.nodes)
-        return np.where(found >= 0, cells.offset[found], self._cells.offset)
+        return np.where(found >= 0, cells.offset[found], self._cells.offset), drift
+
+    def _shift(self, drift: FloatArray) -> float:
+        """Return how far such a drift of the frame moves a typical cell, in spacings.
+
+        A mixed moment turns the axes by itself over the difference of their moments.
+        """
+        xx, yy, zz = self._frame.moments + self._frame_change[3:6]
+        turns = np.abs(drift[6:] / np.array([xx - yy, xx - zz, yy - zz]))
+        moved = np.concatenate([np.abs(drift[:6]), turns])
+        return float(np.sqrt((moved**2).sum() / 3.0)) / self._lattice.spacing
