@@ -22,13 +22,15 @@ from meshmark.mesh import Mesh
 from meshmark.schemes.ncdg_lv import embed, extract
 
 
-def run_model(path: Path, trials: int) -> list[tuple[str, str, float]]:
+def run_model(path: Path, trials: int, most_points: int) -> list[tuple[str, str, float]]:
     """Return (kind, presence, log10 bound) of each trial on one model: half unmarked, half marked."""
     seed = hashlib.sha256(path.name.encode()).digest()
     random = np.random.default_rng(int.from_bytes(seed[:8], "big"))
     try:
         mesh = load(path)
     except MeshmarkError:
+        return []
+    if len(mesh.vertices) > most_points:
         return []
     marked: Mesh | None = None
     with contextlib.suppress(MeshmarkError):  # refused: all its trials are of the unmarked model
@@ -46,12 +48,21 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--folders", nargs="+", default=["models/test", "psb/test"])
     parser.add_argument("--trials", type=int, default=2000)
+    parser.add_argument("--most-points", type=int, default=10**9, help="leave larger models out")
     parser.add_argument("--workers", type=int, default=2)
     arguments = parser.parse_args()
     paths = list(model_paths(*arguments.folders))
     each = -(-arguments.trials // len(paths)) + 1
     with ProcessPoolExecutor(arguments.workers) as pool:
-        rows = [row for part in pool.map(run_model, paths, [each] * len(paths)) for row in part]
+        rows = []
+        for path, part in zip(
+            paths,
+            pool.map(run_model, paths, [each] * len(paths), [arguments.most_points] * len(paths)),
+            strict=True,
+        ):
+            rows += part
+            present = sum(row[1] == "present" for row in part)
+            print(f"{path.name.split('.')[0]:32s} {len(part):4d} trials, {present} present", flush=True)
     for (kind, presence), count in sorted(Counter(row[:2] for row in rows).items()):
         print(f"{kind:10s} {presence:13s} {count}")
     bounds = np.sort([row[2] for row in rows])
