@@ -12,7 +12,7 @@ import scipy.sparse as sp
 
 from meshmark.carriers.cells import Cells, border_gradient, cell_gradient
 from meshmark.carriers.lattice import Lattice
-from meshmark.geometry.areas import area_vectors, vertex_areas, vertex_normals
+from meshmark.geometry.areas import area_vectors, vertex_areas_and_normals
 from meshmark.geometry.frame import surface_moments
 from meshmark.geometry.open_edges import sample_open_edges
 from meshmark.geometry.sampling import Sampler, Samples
@@ -102,8 +102,7 @@ class Bumps:
         self, sampler: Sampler, samples: Samples, cells: Cells, placed: FloatArray, lattice: Lattice
     ) -> None:
         faces = sampler.faces
-        self.normals = vertex_normals(placed, faces)
-        areas = vertex_areas(placed, faces)
+        areas, self.normals = vertex_areas_and_normals(placed, faces)
         offsets = cell_gradient(samples, cells) @ sampler.normal_motion(samples, self.normals)
         offsets = sp.csr_array(offsets + _border_part(placed, faces, self.normals, cells))
         frame = frame_gradient(lattice.points(placed), faces, self.normals @ lattice.axes)

@@ -1,7 +1,7 @@
 """Shaping a surface so that its cells say the code bits: a Newton solve for the bumps.
 
-The frame is held where it is (its nine moments are constraints like any cell's offset), so that the cells an
-extraction finds are the ones that were shaped.
+To first order the frame stays where it is (its nine moments are constraints like any cell's offset); after that
+distinct axes are followed and alike ones held, so that the cells an extraction finds are the ones that were shaped.
 """
 
 from __future__ import annotations
