@@ -1,0 +1,1 @@
+"""Attacks on marked models: one small function each, and the table of them."""

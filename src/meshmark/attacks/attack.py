@@ -1,0 +1,90 @@
+"""What an attack is: a function from a mesh and a strength to the attacked mesh, and what became of its vertices."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshmark.errors import InputError
+from meshmark.mesh import IntArray, Mesh
+
+__all__ = ["Attack", "Attacked", "Given"]
+
+Function = Callable[[Mesh, float, np.random.Generator, "Given"], "Attacked"]
+
+
+@dataclass(frozen=True, eq=False)
+class Attacked:
+    """An attacked mesh of n vertices.
+
+    origin:  (n,) the number that each vertex had before the attack, -1 for one that is new; None where the
+             attack makes a new surface and no such map exists.
+    altered: (n,) whether a local edit moved or made the vertex, the truth that a tamper map is judged by;
+             None for attacks on the whole model.
+    """
+
+    mesh: Mesh
+    origin: IntArray | None
+    altered: NDArray[np.bool_] | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Given:
+    """What an attacker may hold besides the model.
+
+    copies: the same model with other marks (collusion); donor: another marked model (copy attack, paste);
+    embed:  marks a mesh with a key of the attacker's own (second mark).
+    """
+
+    copies: tuple[Mesh, ...] = ()
+    donor: Mesh | None = None
+    embed: Callable[[Mesh], Mesh] | None = None
+
+
+@dataclass(frozen=True)
+class Attack:
+    """One kind of attack; `attack(mesh, strength, rng)` returns the attacked mesh.
+
+    strengths: those of the benchmark; strength 0 changes nothing. unit: what a strength counts.
+    imitates:  what happens to models in life that this stands for.
+    needs:     what of `Given` it cannot do without.
+    """
+
+    function: Function = field(repr=False)
+    strengths: tuple[float, ...]
+    unit: str
+    imitates: str
+    needs: Literal["", "copies", "donor", "embed"] = ""
+
+    def __call__(
+        self, mesh: Mesh, strength: float, rng: np.random.Generator, given: Given | None = None
+    ) -> Mesh:
+        """Return the attacked mesh; see `apply`."""
+        return self.apply(mesh, strength, rng, given).mesh
+
+    def apply(
+        self, mesh: Mesh, strength: float, rng: np.random.Generator, given: Given | None = None
+    ) -> Attacked:
+        """Attack a mesh, which stays as it is; the same generator state gives the same result.
+
+        Raises `InputError` for a strength that the attack does not know or a mesh it cannot work on.
+        """
+        if not np.isfinite(strength) or strength < 0.0:
+            raise InputError(f"strength {strength:g} is out of range, expected 0 or more {self.unit}")
+        if strength == 0.0:
+            return Attacked(mesh, np.arange(len(mesh.vertices)))
+        held = given or Given()
+        if self.needs and not getattr(held, self.needs):
+            raise InputError(_MISSING[self.needs])
+        return self.function(mesh, strength, rng, held)
+
+
+_MISSING = {
+    "copies": "this attack averages copies of the model with other marks, expected at least one more copy",
+    "donor": "this attack takes from another marked model, expected one",
+    "embed": "this attack marks the model a second time, expected an embedder (or use `meshmark embed`)",
+}

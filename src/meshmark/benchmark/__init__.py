@@ -1,0 +1,1 @@
+"""The benchmark: schemes x models x attacks -> rows -> tables and plots."""

@@ -1,0 +1,66 @@
+"""One measured case of a benchmark: what was done, how it ended, and the figures."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+__all__ = ["Case", "Row"]
+
+
+@dataclass(frozen=True, order=True)
+class Case:
+    """What is done: a scheme marks a model, an attack follows, the scheme reads.
+
+    model:   path of the model below the data folder, with forward slashes.
+    budget:  strength of embedding ("subtle", "standard", "strong").
+    attack:  a chain such as "noise:0.005" or "crop:0.1+noise:0.003+similarity:1"; "none" for an untouched mark.
+    trial:   "marked", "wrong key" (marked, read with another key) or "unmarked" (the original, read).
+    """
+
+    suite: str
+    scheme: str
+    model: str
+    budget: str
+    attack: str
+    trial: str
+    seed: int
+
+
+@dataclass(frozen=True)
+class Row:
+    """A case and its outcome; figures are None where they do not apply or were not reached.
+
+    status:  "ok", "refused" (the scheme says the model cannot carry the mark), "failed", "timeout" or "killed".
+    note:    one sentence where the status is not "ok".
+    points:  different points of the model; size_class: as in the data's README; split: "train", "test" or "".
+    Distortion of the marked model against the original: rms_over_diagonal ... normal_deviation_deg.
+    ber, correlation: of the payload; raw_ber: of the carriers before error correction, where the scheme tells.
+    present: the scheme says a mark is there; recovered: present and every bit right.
+    log10_false_positive: the scheme's bound. Seconds are wall-clock; peak_mb is the worker's peak memory.
+    """
+
+    case: Case
+    status: str
+    note: str = ""
+    points: int | None = None
+    size_class: str | None = None
+    split: str = ""
+    rms_over_diagonal: float | None = None
+    max_over_diagonal: float | None = None
+    mrms_over_diagonal: float | None = None
+    hausdorff_over_diagonal: float | None = None
+    psnr_db: float | None = None
+    paper_psnr_db: float | None = None
+    msdm2: float | None = None
+    normal_deviation_deg: float | None = None
+    ber: float | None = None
+    raw_ber: float | None = None
+    correlation: float | None = None
+    present: bool | None = None
+    recovered: bool | None = None
+    log10_false_positive: float | None = None
+    embed_seconds: float | None = None
+    attack_seconds: float | None = None
+    extract_seconds: float | None = None
+    vertices_per_second: float | None = None
+    peak_mb: float | None = None

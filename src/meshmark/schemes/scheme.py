@@ -1,0 +1,64 @@
+"""What a watermarking scheme is to the benchmark: bits in, bits out.
+
+A scheme of your own is one class with these attributes and methods, registered in your package's metadata:
+
+    [project.entry-points."meshmark.schemes"]
+    my_scheme = "my_package.my_module:MyScheme"
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshmark.coding.keys import Key
+from meshmark.mesh import Mesh
+
+__all__ = ["Bits", "Readout", "Scheme"]
+
+Bits = NDArray[np.uint8]
+
+
+@dataclass(frozen=True, eq=False)
+class Readout:
+    """What a scheme reads from a mesh.
+
+    bits:    (n,) uint8 best guess of the payload, whatever its quality; chance where there is no mark.
+    present: whether the scheme says that a mark of this key is there.
+    log10_false_positive: its own bound on being wrong with that, where it has one.
+    facts:   further figures of the scheme's own, by name, kept beside each row of a benchmark.
+    """
+
+    bits: Bits
+    present: bool
+    log10_false_positive: float | None = None
+    facts: dict[str, float] = field(default_factory=dict)
+
+
+@runtime_checkable
+class Scheme(Protocol):
+    """A watermarking scheme.
+
+    title: name for people; source: where it was published; bits: number of payload bits; blind: whether
+    `extract` works without the original (where it does not, it is given one).
+    """
+
+    title: str
+    source: str
+    bits: int
+    blind: bool
+
+    def embed(self, mesh: Mesh, bits: Bits, key: Key, *, strength: str = "standard") -> Mesh:
+        """Return the mesh carrying the bits, (n,) uint8.
+
+        strength: "subtle", "standard" or "strong": at most 0.02, 0.08 or 0.2 % RMS vertex displacement over the
+        bounding-box diagonal. Raises `CapacityError` for a mesh that cannot carry them.
+        """
+        ...
+
+    def extract(self, mesh: Mesh, key: Key, *, reference: Mesh | None = None) -> Readout:
+        """Read the bits; `reference` is the unmarked original where the judge hands it out."""
+        ...
