@@ -1,4 +1,4 @@
-"""What an attack is: a function from a mesh and a strength to the attacked mesh, and what became of its vertices."""
+"""What an attack is: a function from a mesh and a strength to the attacked mesh and what became of its vertices."""
 
 from __future__ import annotations
 
