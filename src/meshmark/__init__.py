@@ -29,11 +29,13 @@ if TYPE_CHECKING:
     from meshmark.mesh import Mesh
     from meshmark.metrics import METRICS, compare
     from meshmark.saliency import analyse
+    from meshmark.schemes import SCHEMES
     from meshmark.schemes.ncdg_lv import embed, extract
     from meshmark.segmentation import segment
 
 __all__ = [
     "METRICS",
+    "SCHEMES",
     "CapacityError",
     "FormatError",
     "InputError",
@@ -55,6 +57,7 @@ __version__ = "0.1.0"
 
 _HOME = {
     "METRICS": "metrics",
+    "SCHEMES": "schemes",
     "CapacityError": "errors",
     "FormatError": "errors",
     "InputError": "errors",

@@ -40,12 +40,14 @@ class Decoded:
     """What a decoder found.
 
     id:                 the 64-bit id, or None where nothing passes the limit
+    guess:              the id of the best candidate, passed or not
     candidates_tested:  words compared with the observations
     bits:               (n,) the code bits of the best candidate, passed or not
     log10_chance:       log10 of a bound on the chance that random observations agree this well with any word
     """
 
     id: int | None
+    guess: int
     candidates_tested: int
     bits: Bits = field(repr=False)
     log10_chance: float
@@ -84,8 +86,9 @@ class Codec:
         agreement = values.sum() - 2.0 * (words[:, seen] @ values[seen])
         best = int(np.argmax(agreement))
         chance = log10_chance(values, float(agreement[best]))
-        found = int(ids[best]) if chance <= log10_limit else None
-        return Decoded(found, len(ids), words[best] ^ self._mask, chance)
+        guess = int(ids[best])
+        passed = guess if chance <= log10_limit else None
+        return Decoded(passed, guess, len(ids), words[best] ^ self._mask, chance)
 
 
 def log10_chance(llr: FloatArray, agreement: float) -> float:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshmark.coding.keys import Key
-from meshmark.mesh import Mesh
+from meshmark.mesh import FloatArray, Mesh
 
 __all__ = ["Bits", "Readout", "Scheme"]
 
@@ -29,13 +29,14 @@ class Readout:
     bits:    (n,) uint8 best guess of the payload, whatever its quality; chance where there is no mark.
     present: whether the scheme says that a mark of this key is there.
     log10_false_positive: its own bound on being wrong with that, where it has one.
-    facts:   further figures of the scheme's own, by name, kept beside each row of a benchmark.
+    raw:     of a scheme with error correction, what it saw of each code bit before: (c,), positive for 0,
+             0 for one it did not see.
     """
 
     bits: Bits
     present: bool
     log10_false_positive: float | None = None
-    facts: dict[str, float] = field(default_factory=dict)
+    raw: FloatArray | None = field(default=None, repr=False)
 
 
 @runtime_checkable
@@ -44,6 +45,8 @@ class Scheme(Protocol):
 
     title: name for people; source: where it was published; bits: number of payload bits; blind: whether
     `extract` works without the original (where it does not, it is given one).
+
+    A scheme whose readouts have `raw` also has `code(bits, key)`, the code bits (c,) that stand for a payload.
     """
 
     title: str

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass
 from math import log, log10
 from time import perf_counter
 
 import numpy as np
 
-from meshmark.carriers.quantisation import log_likelihood_ratio
 from meshmark.coding.codec import Codec, Decoded
 from meshmark.coding.keys import Key
 from meshmark.errors import InputError
@@ -20,9 +19,23 @@ from meshmark.schemes.ncdg_lv.reading import Reading, readings
 from meshmark.schemes.ncdg_lv.results import Extraction
 from meshmark.schemes.ncdg_lv.threads import on_one_thread
 
-__all__ = ["SEARCHES", "extract"]
+__all__ = ["SEARCHES", "Found", "extract", "find"]
 
 SEARCHES = ("quick", "wide")
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """The reading that a search ended with, and what it decoded to; None where there was nothing to read.
+
+    present: a mark of this key is there; `decoded` is then its id, or None where the lock alone tells.
+    log10_false_positive: bound on the chance of this without a mark, over all that was tried.
+    """
+
+    reading: Reading | None
+    decoded: Decoded | None
+    present: bool
+    log10_false_positive: float
 
 
 @on_one_thread
@@ -34,31 +47,36 @@ def extract(
     search: "quick" tries the signs of the frame's axes, "wide" also exchanges axes that are nearly alike
     and reads every spacing instead of the first few.
     spacings: lattice spacings to read; by default all that an embedding may have chosen.
-
-    Hypotheses are scored by their lock, which does not depend on the message; those that stand out are decoded.
-    The false-positive bound is the chance of the lock times that of the decoded word, times the hypotheses.
     Raises `InputError` for an unknown search, or where the mesh has no surface.
     """
     start = perf_counter()
     if search not in SEARCHES:
         raise InputError(f"unknown search '{search}', expected one of {', '.join(SEARCHES)}")
+    found = find(mesh, key, search == "wide", spacings)
+    return _result(found, Codec(key), perf_counter() - start)
+
+
+def find(mesh: Mesh, key: Key, wide: bool = False, spacings: Sequence[float] | None = None) -> Found:
+    """Return the first reading that decodes, else the one with the best lock.
+
+    Hypotheses are scored by their lock, which does not depend on the message; those that stand out are decoded.
+    The false-positive bound is the chance of the lock times that of the decoded word, times the hypotheses.
+    """
     codec = Codec(key)
     best: Reading | None = None
-    for reading in readings(weld(mesh), key, codec.n, search == "wide", spacings):
+    for reading in readings(weld(mesh), key, codec.n, wide, spacings):
         if best is None or _lock_bound(reading) < _lock_bound(best):
             best = reading
         if reading.log10_chance > DECODE_LOG10:
             continue
-        decoded = _decode(codec, reading)
+        decoded = codec.decode(reading.observed(codec.n))
         bound = _log10_bound(reading.log10_chance + decoded.log10_chance, reading.hypotheses)
         if decoded.id is not None and bound <= PRESENT_LOG10:
-            return _present(reading, codec, decoded, bound, perf_counter() - start)
-    return _without_id(best, perf_counter() - start)
-
-
-def _decode(codec: Codec, reading: Reading) -> Decoded:
-    observed = np.bincount(reading.keys.code_index, log_likelihood_ratio(reading.phase), codec.n)
-    return codec.decode(np.asarray(observed, dtype=np.float64))
+            return Found(reading, decoded, True, bound)
+    if best is None:
+        return Found(None, None, False, 0.0)
+    bound = _lock_bound(best)
+    return Found(best, None, bound <= PRESENT_LOG10, bound)
 
 
 def _log10_bound(log10_chance: float, hypotheses: int) -> float:
@@ -74,27 +92,22 @@ def _lock_bound(reading: Reading) -> float:
     return _log10_bound(reading.log10_chance, reading.hypotheses)
 
 
-def _present(reading: Reading, codec: Codec, decoded: Decoded, bound: float, seconds: float) -> Extraction:
-    bits = codec.encode(decoded.id or 0)[reading.keys.code_index]
-    agreeing = int(((np.cos(reading.phase) < 0.0) == (bits == 1)).sum())
-    count = len(reading.phase)
-    advice = "The mark was read."
-    if agreeing < 0.7 * count:
-        advice = f"The mark was read, though only {agreeing} of its {count} places still agree."
-    return Extraction(
-        "present", decoded.id, bound, "blind", count, agreeing, reading.score / count, advice, seconds
-    )
-
-
-def _without_id(best: Reading | None, seconds: float) -> Extraction:
-    if best is None:
+def _result(found: Found, codec: Codec, seconds: float) -> Extraction:
+    reading, bound = found.reading, found.log10_false_positive
+    if reading is None:
         advice = "The model has too few carriers to tell whether it is marked."
-        return Extraction("inconclusive", None, 0.0, "blind", 0, 0, 0.0, advice, seconds)
-    bound = _lock_bound(best)
-    count = len(best.phase)
-    found = Extraction("absent", None, bound, "blind", count, 0, best.score / count, "", seconds)
-    if bound <= PRESENT_LOG10:
-        return replace(
-            found, presence="present", advice="A mark of this key is there, but too damaged to read its id."
-        )
-    return replace(found, advice="No mark of this key was found.")
+        return Extraction("inconclusive", None, bound, "blind", 0, 0, 0.0, advice, seconds)
+    count = len(reading.phase)
+    lock = reading.score / count
+    if found.decoded is not None:
+        bits = codec.encode(found.decoded.guess)[reading.keys.code_index]
+        agreeing = int(((np.cos(reading.phase) < 0.0) == (bits == 1)).sum())
+        advice = "The mark was read."
+        if agreeing < 0.7 * count:
+            advice = f"The mark was read, though only {agreeing} of its {count} places still agree."
+        identity = found.decoded.id
+        return Extraction("present", identity, bound, "blind", count, agreeing, lock, advice, seconds)
+    presence, advice = "absent", "No mark of this key was found."
+    if found.present:
+        presence, advice = "present", "A mark of this key is there, but too damaged to read its id."
+    return Extraction(presence, None, bound, "blind", count, 0, lock, advice, seconds)

@@ -9,7 +9,12 @@ import numpy as np
 
 from meshmark.carriers.cells import Cells, measure_cells
 from meshmark.carriers.lattice import CellKeys, Lattice
-from meshmark.carriers.quantisation import bit_phase, lock_score, log10_lock_chance
+from meshmark.carriers.quantisation import (
+    bit_phase,
+    lock_score,
+    log10_lock_chance,
+    log_likelihood_ratio,
+)
 from meshmark.carriers.selection import select_cells
 from meshmark.coding.keys import Key
 from meshmark.geometry.frame import canonical_frame, frame_alternatives
@@ -44,6 +49,11 @@ class Reading:
     score: float
     log10_chance: float
     hypotheses: int
+
+    def observed(self, code_length: int) -> FloatArray:
+        """Return the log-likelihood ratio (code_length,) of each code bit, 0 where no cell carries it."""
+        ratio = log_likelihood_ratio(self.phase)
+        return np.bincount(self.keys.code_index, ratio, code_length).astype(np.float64)
 
 
 def readings(

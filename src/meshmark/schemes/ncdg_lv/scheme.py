@@ -1,0 +1,55 @@
+"""NCDG-LV as the benchmark sees it: 64 bits in, 64 bits out."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from meshmark.coding.codec import Codec
+from meshmark.coding.keys import Key
+from meshmark.coding.message import ID_BITS
+from meshmark.errors import InputError
+from meshmark.mesh import Mesh
+from meshmark.schemes.ncdg_lv.embedding import embed
+from meshmark.schemes.ncdg_lv.extraction import find
+from meshmark.schemes.ncdg_lv.threads import on_one_thread
+from meshmark.schemes.scheme import Bits, Readout
+
+__all__ = ["NcdgLv"]
+
+
+class NcdgLv:
+    """The ownership layer of NCDG-LV; the payload is the 64-bit id, most significant bit first."""
+
+    title = "NCDG-LV"
+    source = "NCDG-LV, ownership layer (DESIGN section 4)"
+    bits = ID_BITS
+    blind = True
+
+    def embed(self, mesh: Mesh, bits: Bits, key: Key, *, strength: str = "standard") -> Mesh:
+        """See `Scheme.embed`; the mark has been read back when this returns."""
+        return embed(mesh, key, id=_to_id(bits), strength=strength).mesh
+
+    @on_one_thread
+    def extract(self, mesh: Mesh, key: Key, *, reference: Mesh | None = None) -> Readout:
+        """See `Scheme.extract`; blind, the reference is not looked at."""
+        del reference
+        found = find(mesh, key)
+        if found.reading is None:
+            return Readout(_to_bits(0), False, 0.0, np.zeros(Codec(key).n))
+        observed = found.reading.observed(Codec(key).n)
+        decoded = found.decoded or Codec(key).decode(observed)
+        return Readout(_to_bits(decoded.guess), found.present, found.log10_false_positive, observed)
+
+    def code(self, bits: Bits, key: Key) -> Bits:
+        """Return the code bits (4096,) that stand for a payload (64,)."""
+        return Codec(key).encode(_to_id(bits))
+
+
+def _to_id(bits: Bits) -> int:
+    if np.shape(bits) != (ID_BITS,):
+        raise InputError(f"the payload has shape {np.shape(bits)}, expected ({ID_BITS},)")
+    return int.from_bytes(np.packbits(bits).tobytes(), "big")
+
+
+def _to_bits(identity: int) -> Bits:
+    return np.unpackbits(np.frombuffer(identity.to_bytes(ID_BITS // 8, "big"), dtype=np.uint8))
