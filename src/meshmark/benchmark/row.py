@@ -4,7 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-__all__ = ["Case", "Row"]
+__all__ = ["STATUSES", "TRIALS", "Case", "Row"]
+
+# What the reader is given, and what the truth is.
+TRIALS = {
+    "marked": "the marked model, attacked; the mark should be found",
+    "wrong key": "the marked model, attacked, read with another key; nothing should be found",
+    "unmarked": "the original, attacked; nothing should be found",
+    "forged": "the original with a mark copied from another marked model; nothing should be found",
+}
+STATUSES = ("ok", "refused", "failed", "timeout", "killed")
 
 
 @dataclass(frozen=True, order=True)
@@ -14,7 +23,8 @@ class Case:
     model:   path of the model below the data folder, with forward slashes.
     budget:  strength of embedding ("subtle", "standard", "strong").
     attack:  a chain such as "noise:0.005" or "crop:0.1+noise:0.003+similarity:1"; "none" for an untouched mark.
-    trial:   "marked", "wrong key" (marked, read with another key) or "unmarked" (the original, read).
+    trial:   one of `TRIALS`.
+    seed:    of the whole run. repeat: 0, 1, ... where the same is done with other random numbers.
     """
 
     suite: str
@@ -24,6 +34,7 @@ class Case:
     attack: str
     trial: str
     seed: int
+    repeat: int = 0
 
 
 @dataclass(frozen=True)
@@ -34,9 +45,12 @@ class Row:
     note:    one sentence where the status is not "ok".
     points:  different points of the model; size_class: as in the data's README; split: "train", "test" or "".
     Distortion of the marked model against the original: rms_over_diagonal ... normal_deviation_deg.
-    ber, correlation: of the payload; raw_ber: of the carriers before error correction, where the scheme tells.
+    ber, correlation: of the payload (after collusion: of the colluder's that is nearest to what was read; of a
+             forged mark: the donor's); raw_ber: of the carriers before error correction, where the scheme tells.
     present: the scheme says a mark is there; recovered: present and every bit right.
-    log10_false_positive: the scheme's bound. Seconds are wall-clock; peak_mb is the worker's peak memory.
+    log10_false_positive: the scheme's bound.
+    Seconds are wall-clock; file_seconds: reading the model's file and writing it again, for comparison;
+    vertices_per_second: of the attacked model, in extraction; peak_mb: the worker's peak memory in this case.
     """
 
     case: Case
@@ -59,6 +73,7 @@ class Row:
     present: bool | None = None
     recovered: bool | None = None
     log10_false_positive: float | None = None
+    file_seconds: float | None = None
     embed_seconds: float | None = None
     attack_seconds: float | None = None
     extract_seconds: float | None = None
