@@ -16,6 +16,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from meshmark.attacks import ATTACKS
     from meshmark.coding.keys import Key
     from meshmark.errors import (
         CapacityError,
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
     from meshmark.segmentation import segment
 
 __all__ = [
+    "ATTACKS",
     "METRICS",
     "SCHEMES",
     "CapacityError",
@@ -56,6 +58,7 @@ __all__ = [
 __version__ = "0.1.0"
 
 _HOME = {
+    "ATTACKS": "attacks",
     "METRICS": "metrics",
     "SCHEMES": "schemes",
     "CapacityError": "errors",

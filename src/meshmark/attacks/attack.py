@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from math import inf, isfinite
 from typing import Literal
 
 import numpy as np
@@ -12,9 +13,10 @@ from numpy.typing import NDArray
 from meshmark.errors import InputError
 from meshmark.mesh import IntArray, Mesh
 
-__all__ = ["Attack", "Attacked", "Given"]
+__all__ = ["Attack", "Attacked", "Function", "Given", "Need"]
 
 Function = Callable[[Mesh, float, np.random.Generator, "Given"], "Attacked"]
+Need = Literal["", "copies", "donor", "embed"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,16 +51,43 @@ class Given:
 class Attack:
     """One kind of attack; `attack(mesh, strength, rng)` returns the attacked mesh.
 
-    strengths: those of the benchmark; strength 0 changes nothing. unit: what a strength counts.
+    strengths: those of the benchmark, mildest first; strength 0 always changes nothing.
+    unit:      what a strength counts.
     imitates:  what happens to models in life that this stands for.
     needs:     what of `Given` it cannot do without.
+    lowest, highest, whole: the strengths other than 0 that it takes; whole numbers only, or all between.
     """
 
     function: Function = field(repr=False)
     strengths: tuple[float, ...]
     unit: str
     imitates: str
-    needs: Literal["", "copies", "donor", "embed"] = ""
+    needs: Need = ""
+    lowest: float = 0.0
+    highest: float = inf
+    whole: bool = False
+
+    @property
+    def default(self) -> float:
+        """Return the middle one of `strengths` (of an even number, the milder of the two in the middle)."""
+        return self.strengths[(len(self.strengths) - 1) // 2]
+
+    def check(self, strength: float) -> None:
+        """Raise `InputError` for a strength that the attack does not take."""
+        if strength == 0.0:
+            return
+        inside = isfinite(strength) and self.lowest <= strength <= self.highest and strength > 0.0
+        if not inside or (self.whole and strength != int(strength)):
+            raise InputError(f"strength {strength:g} is out of range, expected 0 or {self._range()}")
+
+    def _range(self) -> str:
+        kind = "a whole number" if self.whole else "a number"
+        if self.highest == self.lowest:
+            return f"{self.lowest:g} ({self.unit})"
+        upper = "" if self.highest == inf else f" to {self.highest:g}"
+        if self.lowest == 0.0:
+            return f"{kind} above 0{upper and f', up{upper}'} ({self.unit})"
+        return f"{kind} from {self.lowest:g}{upper or ' upwards'} ({self.unit})"
 
     def __call__(
         self, mesh: Mesh, strength: float, rng: np.random.Generator, given: Given | None = None
@@ -71,15 +100,17 @@ class Attack:
     ) -> Attacked:
         """Attack a mesh, which stays as it is; the same generator state gives the same result.
 
-        Raises `InputError` for a strength that the attack does not know or a mesh it cannot work on.
+        Raises `InputError` for a strength that the attack does not take, a mesh it cannot work on, or where
+        `given` lacks what it needs.
         """
-        if not np.isfinite(strength) or strength < 0.0:
-            raise InputError(f"strength {strength:g} is out of range, expected 0 or more {self.unit}")
+        self.check(strength)
         if strength == 0.0:
             return Attacked(mesh, np.arange(len(mesh.vertices)))
         held = given or Given()
         if self.needs and not getattr(held, self.needs):
             raise InputError(_MISSING[self.needs])
+        if not len(mesh.vertices):
+            raise InputError("the model has no vertices, expected at least one to attack")
         return self.function(mesh, strength, rng, held)
 
 
