@@ -26,7 +26,7 @@ SECONDS = 150
 MAX_FACES = 3_000_000
 
 
-def remeshing(mesh: Mesh, strength: float, rng: np.random.Generator, given: Given) -> Attacked:
+def remeshing(mesh: Mesh, strength: float, _rng: np.random.Generator, _given: Given) -> Attacked:
     """Remesh to edges of `strength` (0.2 to 5) times the mean edge length (Botsch and Kobbelt 2004, by gpytoolbox).
 
     The surface is cut along edges that other than two faces share, or whose faces disagree about their side; border
@@ -36,7 +36,6 @@ def remeshing(mesh: Mesh, strength: float, rng: np.random.Generator, given: Give
     Raises `InputError` for a strength out of range, a result of over 3 million faces, a model on which the library
     fails or takes over 150 s, and where gpytoolbox is missing.
     """
-    del rng, given
     if not 0.2 <= strength <= 5.0:
         raise InputError(f"strength {strength:g} is out of range, expected 0.2 to 5 mean edge lengths")
     if find_spec("gpytoolbox") is None:
@@ -52,9 +51,7 @@ def remeshing(mesh: Mesh, strength: float, rng: np.random.Generator, given: Give
     edge = strength * float(np.linalg.norm(points[ends[:, 0]] - points[ends[:, 1]], axis=1).mean())
     count = face_areas(points, faces).sum() / (np.sqrt(3.0) / 4.0 * edge**2)
     if count > MAX_FACES:
-        raise InputError(
-            f"remeshing would make {count:.0f} faces, expected at most {MAX_FACES}: raise the strength"
-        )
+        raise InputError(f"{count:.0f} faces would be made, expected at most {MAX_FACES}: raise the strength")
     new_points, new_faces = _in_a_child(points, faces, edge)
     joined = weld(Mesh(new_points * scale + middle, new_faces))
     return Attacked(Mesh(joined.points, joined.faces), None)

@@ -20,7 +20,7 @@ __all__ = ["simplification"]
 SIZES = (2000.0, 20.0, 0.2)
 
 
-def simplification(mesh: Mesh, strength: float, rng: np.random.Generator, given: Given) -> Attacked:
+def simplification(mesh: Mesh, strength: float, _rng: np.random.Generator, _given: Given) -> Attacked:
     """Remove the share `strength` (0 to 1) of the faces by quadric edge collapse (Garland and Heckbert 1997).
 
     Works on welded points, so texture seams stay closed; points that no face uses go. `origin` is the vertex that a
@@ -29,7 +29,6 @@ def simplification(mesh: Mesh, strength: float, rng: np.random.Generator, given:
 
     Raises `InputError` for a strength of 1 or more, and where fast-simplification is missing.
     """
-    del rng, given
     if strength >= 1.0:
         raise InputError(f"strength {strength:g} is out of range, expected a share of faces below 1")
     simplifier = library("fast_simplification", "attacks")

@@ -14,40 +14,37 @@ from meshmark.geometry.adjacency import unique_edges
 from meshmark.geometry.weld import weld
 from meshmark.mesh import FloatArray, IntArray, Mesh
 
-__all__ = ["loop", "midpoint", "sqrt3"]
+__all__ = ["loop", "midpoint", "sqrt3", "sqrt3_faces"]
 
 MAX_FACES = 20_000_000
 
 Step = Callable[[FloatArray, IntArray], tuple[FloatArray, IntArray]]
 
 
-def midpoint(mesh: Mesh, strength: float, rng: np.random.Generator, given: Given) -> Attacked:
+def midpoint(mesh: Mesh, strength: float, _rng: np.random.Generator, _given: Given) -> Attacked:
     """Split each edge in the middle and each face into four, `strength` (1, 2, ...) times; the surface stays.
 
     All subdivisions work on welded points, so seams stay closed; the old points keep their numbers (`origin`), new
     ones follow. Raises `InputError` for a strength that is no whole number or makes over 20 million faces.
     """
-    del rng, given
     return _repeated(mesh, strength, _midpoint, 4)
 
 
-def loop(mesh: Mesh, strength: float, rng: np.random.Generator, given: Given) -> Attacked:
+def loop(mesh: Mesh, strength: float, _rng: np.random.Generator, _given: Given) -> Attacked:
     """Subdivide by Loop's scheme (1987) `strength` (1, 2, ...) times.
 
     Borders follow the cubic spline (1/8, 3/4, 1/8); an edge with more than two faces counts as border, and a point
     where other than two border edges meet stays. Raises as `midpoint` does.
     """
-    del rng, given
     return _repeated(mesh, strength, _loop, 4)
 
 
-def sqrt3(mesh: Mesh, strength: float, rng: np.random.Generator, given: Given) -> Attacked:
+def sqrt3(mesh: Mesh, strength: float, _rng: np.random.Generator, _given: Given) -> Attacked:
     """Subdivide by Kobbelt's root-3 scheme (doi:10.1145/344779.344835) `strength` (1, 2, ...) times.
 
     Each face gets a point in its middle, and each inner edge is turned to join two of them. Border edges stay as
     they are, as do edges whose two faces are wound against each other. Raises as `midpoint` does.
     """
-    del rng, given
     return _repeated(mesh, strength, _sqrt3, 3)
 
 
@@ -127,22 +124,29 @@ def _loop(points: FloatArray, faces: IntArray) -> tuple[FloatArray, IntArray]:
     return np.concatenate([old, middle]), _in_four(points, faces, edges)
 
 
-def _sqrt3(points: FloatArray, faces: IntArray) -> tuple[FloatArray, IntArray]:
-    edges = _edges(faces, len(points))
+def sqrt3_faces(faces: IntArray, count: int) -> IntArray:
+    """Return (3m, 3): the root-3 pattern; point `count + i` is the middle of face i of `faces` (m, 3)."""
+    return _fans(faces, _edges(faces, count), count)
+
+
+def _fans(faces: IntArray, edges: _Edges, count: int) -> IntArray:
     own = np.repeat(np.arange(len(faces)), 3)
     edge = edges.of_face.ravel()
     both = np.bincount(edge, weights=own, minlength=len(edges.ends)).astype(np.int64)
-    across = both[edge] - own + len(points)  # the middle of the face on the other side
+    across = both[edge] - own + count  # the middle of the face on the other side
     start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
-    fans = np.stack([start, np.where(edges.opposed[edge], across, end), own + len(points)], axis=1)
+    return np.stack([start, np.where(edges.opposed[edge], across, end), own + count], axis=1)
 
+
+def _sqrt3(points: FloatArray, faces: IntArray) -> tuple[FloatArray, IntArray]:
+    edges = _edges(faces, len(points))
     valence, around = _ring(points, edges.ends)
     fixed = valence == 0
     fixed[edges.ends[~edges.opposed].ravel()] = True
     n = np.maximum(valence, 1)
     weight = np.where(fixed, 0.0, (4.0 - 2.0 * np.cos(2.0 * np.pi / n)) / 9.0)
     old = np.where(fixed[:, None], points, points + weight[:, None] * (around / n[:, None] - points))
-    return np.concatenate([old, points[faces].mean(axis=1)]), fans
+    return np.concatenate([old, points[faces].mean(axis=1)]), _fans(faces, edges, len(points))
 
 
 def _ring(points: FloatArray, ends: IntArray) -> tuple[IntArray, FloatArray]:
