@@ -8,10 +8,16 @@ from typing import NamedTuple
 from meshmark.attacks.attack import Attack, Function, Need
 from meshmark.attacks.crop import crop
 from meshmark.attacks.files import through_file
+from meshmark.attacks.local_delete import delete_part
+from meshmark.attacks.local_move import move_part
+from meshmark.attacks.local_relief import bump, dent
+from meshmark.attacks.local_replace import replace_part
 from meshmark.attacks.noise import gaussian, noise
 from meshmark.attacks.numbering import shuffle, unweld, weld
+from meshmark.attacks.paste import paste
 from meshmark.attacks.placing import affine, mirror, similarity
 from meshmark.attacks.protocol import collusion, copy, second_mark
+from meshmark.attacks.remeshing import remeshing
 from meshmark.attacks.rounding import float32, quantisation
 from meshmark.attacks.simplification import simplification
 from meshmark.attacks.smoothing import smoothing, smoothing_half, taubin
@@ -33,16 +39,17 @@ class _Scale(NamedTuple):
 _AMPLITUDE = _Scale("of the mean distance between vertices and centroid")
 _PASSES = _Scale("passes", 1, 10_000, True)
 _BITS = _Scale("bits per coordinate", 1, 52, True)
+_POINTS = _Scale("of the points", 0.0, 1.0)
 _VERTICES = _Scale("of the vertices", 0.0, 1.0)
 _FACES = _Scale("of the faces", 0.0, 1.0)
 _LEVELS = _Scale("levels", 1, 10, True)
-_EDGE = _Scale("new edge length over the mean edge length")
+_EDGE = _Scale("of the mean edge length", 0.2, 5.0)
 _CUBES = _Scale("voxels along the longest side", 4, 1024, True)
 _AMOUNT = _Scale("of any rotation, scale 0.1 to 10 and shift by a diagonal", 0.0, 1.0)
 _STRETCH = _Scale("more along one direction, less along another", 0.0, 0.99)
 _MODELS = _Scale("models in the average, this one included", 2, 1000, True)
 _ESTIMATE = _Scale("of the mark that the donor seems to have")
-_ONCE = _Scale("once", 1, 1)
+_ONCE = _Scale("time", 1, 1)
 
 
 def _row(
@@ -68,6 +75,7 @@ ATTACKS: dict[str, Attack] = {
     "midpoint": _row(midpoint, (1, 2), _LEVELS, "more faces, the same surface"),
     "loop": _row(loop, (1, 2), _LEVELS, "a smooth subdivision surface (Loop)"),
     "sqrt3": _row(sqrt3, (1, 2), _LEVELS, "a smooth subdivision surface (sqrt 3)"),
+    "remeshing": _row(remeshing, (0.7, 1, 1.5, 2), _EDGE, "even triangles from a sculpting program"),
     "similarity": _row(similarity, (1,), _AMOUNT, "turned, scaled and moved in an editor, other units"),
     "affine": _row(affine, (0.01, 0.02, 0.03, 0.05), _STRETCH, "stretched a little in an editor"),
     "mirror": _row(mirror, (1,), _ONCE, "mirrored in an editor, a left-handed importer"),
@@ -78,10 +86,16 @@ ATTACKS: dict[str, Attack] = {
     "file_off": _row(through_file("off"), (1,), _ONCE, _FORMAT.format("OFF with 6 significant digits")),
     "file_obj": _row(through_file("obj"), (1,), _ONCE, _FORMAT.format("OBJ with 6 decimals")),
     "file_ply": _row(through_file("ply"), (1,), _ONCE, _FORMAT.format("PLY in single precision")),
-    "file_stl": _row(through_file("stl"), (1,), _ONCE, _FORMAT.format("STL, which has no shared vertices")),
+    "file_stl": _row(through_file("stl"), (1,), _ONCE, _FORMAT.format("STL with its separate triangles")),
     "file_glb": _row(through_file("glb"), (1,), _ONCE, _FORMAT.format("binary glTF")),
     "file_gltf": _row(through_file("gltf"), (1,), _ONCE, _FORMAT.format("glTF")),
     "file_3mf": _row(through_file("3mf"), (1,), _ONCE, _FORMAT.format("3MF with 6 decimals")),
+    "bump": _row(bump, _PARTS, _POINTS, "a bump raised with a sculpting brush"),
+    "dent": _row(dent, _PARTS, _POINTS, "a dent pressed with a sculpting brush"),
+    "move_part": _row(move_part, _PARTS, _POINTS, "a limb put into another pose"),
+    "delete_part": _row(delete_part, _PARTS, _POINTS, "a part deleted, which leaves a hole"),
+    "replace_part": _row(replace_part, _PARTS, _POINTS, "a part sculpted anew"),
+    "paste": _row(paste, _PARTS, _POINTS, "a part cut from another marked model and pasted in", "donor"),
     "second_mark": _row(second_mark, (1,), _ONCE, "somebody else marks the model, too", "embed"),
     "collusion": _row(collusion, (2, 3, 5), _MODELS, "buyers average their differently marked copies", "copies"),
     "copy": _row(copy, (0.5, 1, 2), _ESTIMATE, "a mark lifted off one model and put on another", "donor"),

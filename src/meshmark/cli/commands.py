@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from meshmark.cli.attack import attack
 from meshmark.cli.compare import compare
 from meshmark.cli.demo import demo
 from meshmark.cli.embed import embed
@@ -20,6 +21,7 @@ COMMANDS: dict[str, Callable[..., int]] = {
     "keygen": keygen,
     "embed": embed,
     "extract": extract,
+    "attack": attack,
     "compare": compare,
     "saliency": saliency,
     "segment": segment,

@@ -38,18 +38,24 @@ def conform(mesh: Mesh, vertices: FloatArray) -> FloatArray:
     return vertices.copy() if mesh.document is None else mesh.document.conform(vertices)
 
 
-def write_mesh(mesh: Mesh, path: str | Path, verify: Callable[[Path], None] | None = None) -> WriteReport:
+def write_mesh(
+    mesh: Mesh,
+    path: str | Path,
+    verify: Callable[[Path], None] | None = None,
+    default: str | None = None,
+) -> WriteReport:
     """Write a mesh to `path`: positions patched into the file it came from, or converted to a new one.
 
     The format is the extension's, or without a known one that of the file read. A patched save changes
     nothing but positions and copies side files (materials, images) that are not there yet. All files are
     complete before any is moved into place; on failure none is left. `verify` is given the model among the
-    complete files, before they have their places, and stops the save by raising.
+    complete files, before they have their places, and stops the save by raising. `default` is the format, a key
+    of `FORMATS`, for a mesh made in memory where the path has no known extension.
     Raises `InputError` where `path` is the file read or one it refers to, or has no known format, and
     `OutputError` where it cannot be written.
     """
     path = Path(path)
-    entry = _format_for(mesh, path)
+    entry = _format_for(mesh, path, default)
     document = mesh.document
     source = document if isinstance(document, SourceFile) else None
     target = _checked_target(path, source)
@@ -76,10 +82,11 @@ def write_mesh(mesh: Mesh, path: str | Path, verify: Callable[[Path], None] | No
         raise OutputError(f"cannot write {error.filename or path}: {error.strerror or error}") from None
 
 
-def _format_for(mesh: Mesh, path: Path) -> Format:
+def _format_for(mesh: Mesh, path: Path, default: str | None) -> Format:
     entry = format_of_name(path)
-    if entry is None and mesh.document is not None:
-        entry = FORMATS[mesh.document.format]
+    own = default if mesh.document is None else mesh.document.format
+    if entry is None and own is not None:
+        entry = FORMATS[own]
     if entry is None:
         known = " ".join(entry.extensions[0] for entry in FORMATS.values())
         raise InputError(f"{path} has no extension of a known format, expected one of {known}, also .gz")
