@@ -17,7 +17,7 @@ from meshmark.carriers.quantisation import (
 )
 from meshmark.carriers.selection import select_cells
 from meshmark.coding.keys import Key
-from meshmark.geometry.frame import canonical_frame, frame_alternatives
+from meshmark.geometry.frame import Frame, canonical_frame, frame_alternatives
 from meshmark.geometry.sampling import Samples, plan_samples
 from meshmark.geometry.weld import Welded
 from meshmark.mesh import FloatArray
@@ -38,11 +38,15 @@ __all__ = ["Reading", "read_cells", "readings"]
 class Reading:
     """The cells under one hypothesis of frame and spacing, at its best quantisation step.
 
+    frame, spacing, step: the hypothesis, the step in spacings.
     phase: (n,) radians; score: sum of cos(2 phase); log10_chance: of the score alone, one hypothesis;
     hypotheses: what this reading's chance is to be multiplied by. The t-th reading is charged (steps) t (t + 1):
     as the 1 / (t (t + 1)) add up to 1, the bound holds for all readings together, wherever the search stops.
     """
 
+    frame: Frame
+    spacing: float
+    step: float
     cells: Cells
     keys: CellKeys
     phase: FloatArray
@@ -82,7 +86,7 @@ def readings(
             if fewest < CARRIER_READABLE:
                 break  # about as many whichever way the lattice lies
             tried += 1
-            yield _at_best_step(cells, keys, len(STEPS) * tried * (tried + 1))
+            yield _at_best_step(other, spacing, cells, keys, len(STEPS) * tried * (tried + 1))
         rich += fewest >= CARRIER_PLENTY
         if rich == SPACING_TRIES and not wide:
             return
@@ -103,9 +107,10 @@ def read_cells(
     return cells, lattice.keys(cells.nodes, code_length)
 
 
-def _at_best_step(cells: Cells, keys: CellKeys, hypotheses: int) -> Reading:
+def _at_best_step(frame: Frame, spacing: float, cells: Cells, keys: CellKeys, hypotheses: int) -> Reading:
     phases = bit_phase(cells.offset, keys.dither, STEPS[:, None])
     scores = lock_score(phases)
     best = int(np.argmax(scores))
     score = float(scores[best])
-    return Reading(cells, keys, phases[best], score, log10_lock_chance(score, len(cells.nodes)), hypotheses)
+    chance = log10_lock_chance(score, len(cells.nodes))
+    return Reading(frame, spacing, float(STEPS[best]), cells, keys, phases[best], score, chance, hypotheses)
