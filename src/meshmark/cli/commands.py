@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from meshmark.cli.attack import attack
+from meshmark.cli.bench import bench
 from meshmark.cli.compare import compare
 from meshmark.cli.demo import demo
 from meshmark.cli.embed import embed
@@ -26,5 +27,6 @@ COMMANDS: dict[str, Callable[..., int]] = {
     "saliency": saliency,
     "segment": segment,
     "info": info,
+    "bench": bench,
     "demo": demo,
 }

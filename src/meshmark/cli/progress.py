@@ -5,16 +5,18 @@ from __future__ import annotations
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-__all__ = ["progress"]
+__all__ = ["counted", "progress"]
 
 # Work shorter than this shows nothing; seconds.
 _PATIENCE = 0.8
 _REDRAW = 0.1
 _WIDTH = 24
 _BLOCK = 6
+# Without a terminal, a line after so many cases.
+_LINE_EVERY = 100
 
 
 @contextmanager
@@ -53,3 +55,50 @@ def _bar(seconds: float) -> str:
     turn = int(seconds / _REDRAW) % (2 * free)
     left = turn if turn <= free else 2 * free - turn
     return "[" + " " * left + "=" * _BLOCK + " " * (free - left) + "]"
+
+
+@contextmanager
+def counted(noun: str) -> Iterator[Callable[[int, int, int], None]]:
+    """Give a function `told(done, total, failed)` that draws a bar on a terminal, or a line per 100 in a pipe."""
+    shown = _Counted(noun)
+    try:
+        yield shown
+    finally:
+        shown.end()
+
+
+class _Counted:
+    def __init__(self, noun: str) -> None:
+        self.noun, self.terminal = noun, sys.stderr.isatty()
+        self.start, self.first, self.drawn = time.monotonic(), -1, 0.0
+
+    def __call__(self, done: int, total: int, failed: int) -> None:
+        if self.first < 0:
+            self.first = done - 1
+        now = time.monotonic()
+        if self.terminal and (now - self.drawn > _REDRAW or done == total):
+            self.drawn = now
+            sys.stderr.write(f"\r{self._line(done, total, failed)}\x1b[K")
+        elif not self.terminal and (done % _LINE_EVERY == 0 or done == total):
+            sys.stderr.write(f"{self._line(done, total, failed)}\n")
+        sys.stderr.flush()
+
+    def end(self) -> None:
+        if self.terminal and self.drawn:
+            sys.stderr.write("\r\x1b[K")
+            sys.stderr.flush()
+
+    def _line(self, done: int, total: int, failed: int) -> str:
+        rate = (done - self.first) / max(time.monotonic() - self.start, 1e-9)
+        filled = _WIDTH * done // total
+        bar = "[" + "=" * filled + " " * (_WIDTH - filled) + "] " if self.terminal else ""
+        left = _clock((total - done) / rate)
+        return (
+            f"{bar}{done:,} of {total:,} {self.noun}, {failed:,} failed, {rate:.1f} per second, {left} left"
+        )
+
+
+def _clock(seconds: float) -> str:
+    minutes, rest = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours}:{minutes:02d}:{rest:02d}" if hours else f"{minutes}:{rest:02d}"

@@ -1,0 +1,107 @@
+"""One case: the attack, the reading, and how far what was read is from the truth."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+
+from meshmark.attacks.attack import Given
+from meshmark.attacks.chain import parse_chain
+from meshmark.benchmark.job import Mark, Outcome, mark_of, marks_of
+from meshmark.benchmark.marking import key_of, original, payload_of
+from meshmark.benchmark.marks import load_mark
+from meshmark.benchmark.row import Case
+from meshmark.benchmark.seeds import bits_for, generator_for, key_for
+from meshmark.coding.keys import Key
+from meshmark.errors import InputError
+from meshmark.mesh import Mesh
+from meshmark.schemes import SCHEMES
+from meshmark.schemes.scheme import Bits, Readout, Scheme
+
+__all__ = ["judge"]
+
+
+def judge(data: Path, out: Path, case: Case) -> Outcome:
+    """Attack and read; raises what the attack or the scheme raises.
+
+    Other schemes, budgets and trials meet the same attack: its random numbers depend on the seed, the model, the
+    attack and the repeat only.
+    """
+    scheme, chain = SCHEMES[case.scheme], parse_chain(case.attack)
+    whole = original(data, case.model)
+    main, marks = mark_of(case), marks_of(case)
+    held = {mark: load_mark(out, mark) for mark in marks}
+    suspect = held[main] if main in held else Mesh(whole.vertices, whole.faces)
+    rng = generator_for("attack", case.seed, case.model, case.attack, case.repeat)
+    start = perf_counter()
+    attacked = chain(suspect, rng, _given(case, held, scheme))
+    attack_seconds = perf_counter() - start
+
+    key = key_of(main) if case.trial != "wrong key" else _stranger(case, "wrong key")
+    start = perf_counter()
+    readout = scheme.extract(attacked, key, reference=None if scheme.blind else whole)
+    seconds = perf_counter() - start
+    truths = {payload_of(mark, scheme.bits).tobytes(): mark for mark in marks or [main]}
+    figures = _figures(readout, [np.frombuffer(bits, np.uint8) for bits in truths], scheme, key)
+    times = {
+        "attack_seconds": attack_seconds,
+        "extract_seconds": seconds,
+        "vertices_per_second": len(attacked.vertices) / seconds,
+    }
+    return Outcome("ok", figures={**figures, **times})
+
+
+def _given(case: Case, held: dict[Mark, Mesh], scheme: Scheme) -> Given:
+    """Return what the attacker has: copies with other ids, another model with this key, a key of its own."""
+    copies = tuple(mesh for mark, mesh in held.items() if mark.number)
+    donor = next((mesh for mark, mesh in held.items() if mark.donor), None)
+
+    def embed(mesh: Mesh) -> Mesh:
+        bits = bits_for(scheme.bits, "second mark", *_names(case))
+        return scheme.embed(mesh, bits, _stranger(case, "second mark"), strength=case.budget)
+
+    return Given(copies, donor, embed)
+
+
+def _stranger(case: Case, role: str) -> Key:
+    return key_for(role, *_names(case))
+
+
+def _names(case: Case) -> tuple[str | int, ...]:
+    return case.seed, case.scheme, case.model, case.budget, case.attack, case.trial, case.repeat
+
+
+def _figures(
+    readout: Readout, truths: list[Bits], scheme: Scheme, key: Key
+) -> dict[str, float | bool | None]:
+    """Compare a readout with the payloads that would be right, taking the nearest."""
+    bits = np.asarray(readout.bits)
+    if bits.shape != (scheme.bits,) or not np.isin(bits, (0, 1)).all():
+        raise InputError(f"the scheme read bits of shape {bits.shape}, expected {scheme.bits} zeros and ones")
+    truth = min(truths, key=lambda each: int((bits != each).sum()))
+    ber = float((bits != truth).mean())
+    return {
+        "ber": ber,
+        "raw_ber": _raw_ber(readout, truth, scheme, key),
+        "correlation": _correlation(bits, truth),
+        "present": bool(readout.present),
+        "recovered": bool(readout.present) and ber == 0.0,
+        "log10_false_positive": readout.log10_false_positive,
+    }
+
+
+def _raw_ber(readout: Readout, truth: Bits, scheme: Scheme, key: Key) -> float | None:
+    code = getattr(scheme, "code", None)
+    if readout.raw is None or code is None or not readout.raw.any():
+        return None
+    seen = readout.raw != 0.0
+    return float(((readout.raw < 0.0) != code(truth, key).astype(bool))[seen].mean())
+
+
+def _correlation(bits: Bits, truth: Bits) -> float | None:
+    """Return Pearson's correlation of the two, None where one is constant."""
+    if np.ptp(bits) == 0 or np.ptp(truth) == 0:
+        return None
+    return float(np.corrcoef(bits, truth)[0, 1])

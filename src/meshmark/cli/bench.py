@@ -1,0 +1,93 @@
+"""`meshmark bench`: measure schemes on models under attacks."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from meshmark.cli.options import AsJson
+from meshmark.cli.output import answer, plural, say
+from meshmark.cli.progress import counted
+from meshmark.errors import InputError
+
+if TYPE_CHECKING:
+    from meshmark.benchmark.run import Finished
+
+__all__ = ["bench"]
+
+
+def bench(
+    suite: Annotated[str, typer.Argument(metavar="SUITE", help="smoke, paper, robust, security or speed.")],
+    data: Annotated[
+        Path | None,
+        typer.Option(
+            "--data", metavar="DIR", help="Models, at any depth, also .xz; without it, three that come along."
+        ),
+    ] = None,
+    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder for results and reports.")] = Path(
+        "bench-out"
+    ),
+    schemes: Annotated[str, typer.Option(metavar="A,B", help="Schemes, also of other packages.")] = "ncdg_lv",
+    limit: Annotated[
+        int | None, typer.Option(metavar="N", help="Use N models only, spread over file sizes.")
+    ] = None,
+    seed: Annotated[
+        int, typer.Option(metavar="N", help="All keys, payloads and attacks follow from it.")
+    ] = 0,
+    workers: Annotated[
+        int | None, typer.Option(metavar="N", help="Processes; without it, one on each core.")
+    ] = None,
+    time_limit: Annotated[
+        float, typer.Option(metavar="SECONDS", help="Longest time for one marking or one attack and reading.")
+    ] = 600.0,
+    as_json: AsJson = False,
+) -> int:
+    """Measure schemes on models under attacks.
+
+    Results go to DIR/results.sqlite as they come. The same command goes on where an earlier one was cut off, and
+    repeats nothing. At the end tables and plots are written to DIR. What fails is a row, not an end.
+    """
+    from meshmark.benchmark.run import Plan, run
+
+    names = tuple(dict.fromkeys(name.strip() for name in schemes.split(",") if name.strip()))
+    if not names:
+        raise InputError("--schemes names no scheme, expected at least one")
+    plan = Plan(suite, data, out, names, limit, seed, workers, time_limit)
+    try:
+        with counted("cases") as told:
+            finished = run(plan, told)
+    except KeyboardInterrupt:
+        say(f"meshmark: what is done is kept in {out}; the same command goes on from there")
+        raise
+    if finished.resumed:
+        say(f"meshmark: {plural(finished.resumed, 'row')} had been done before")
+    reports = _reports(finished, out)
+    answer(_words(finished, reports), _fields(finished, reports), as_json)
+    return 0
+
+
+def _reports(finished: Finished, out: Path) -> list[Path]:
+    from meshmark.benchmark.report import write_reports
+
+    return write_reports(finished.rows, finished.facts, out)
+
+
+def _fields(finished: Finished, reports: list[Path]) -> dict[str, Any]:
+    from meshmark.benchmark.summary import summary
+
+    return {
+        "facts": finished.facts.to_dict(),
+        "rows": len(finished.rows),
+        "resumed": finished.resumed,
+        "reports": [str(path) for path in reports],
+        "summary": [line.to_dict() for line in summary(finished.rows)],
+    }
+
+
+def _words(finished: Finished, reports: list[Path]) -> str:
+    from meshmark.benchmark.summary import as_table, summary
+
+    lines = as_table(summary(finished.rows))
+    return "\n".join([*lines, "", *(f"Written: {path}" for path in reports)])
