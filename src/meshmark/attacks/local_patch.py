@@ -99,7 +99,7 @@ def _distances(welded: Welded, centre: int, used: IntArray, count: int) -> Float
     distance = dijkstra(graph, directed=False, indices=[centre])[0] * size
     if np.isfinite(distance).sum() < count:
         distance = np.linalg.norm((points - points[centre]) / size, axis=1) * size
-    return distance
+    return np.asarray(distance)
 
 
 def _normal(welded: Welded, members: IntArray, reach: FloatArray, rng: np.random.Generator) -> FloatArray:
