@@ -18,14 +18,14 @@ def crop(mesh: Mesh, strength: float, rng: np.random.Generator, _given: Given) -
 
     The plane is at right angles to a seeded direction, uniform on the sphere. As many vertices go as the share
     says, rounded; coincident ones go together, so that with seams the count is the nearest possible. At least
-    one goes. Raises `InputError` where no face would be left.
+    one goes. Raises `InputError` where no vertex, or none of the faces there were, would be left.
     """
     direction = rng.normal(size=3)
     welded = weld(mesh)
     gone = _farthest(welded, welded.points @ (direction / np.linalg.norm(direction)), strength)
     left = without(mesh, gone)
-    if len(mesh.faces) and not len(left.mesh.faces):
-        raise InputError(f"cropping {strength:g} of the vertices leaves no face, expected a smaller share")
+    if not len(left.mesh.vertices) or (len(mesh.faces) and not len(left.mesh.faces)):
+        raise InputError(f"cropping {strength:g} of the vertices leaves no surface, expected a smaller share")
     return left
 
 

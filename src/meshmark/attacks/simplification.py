@@ -27,13 +27,17 @@ def simplification(mesh: Mesh, strength: float, _rng: np.random.Generator, _give
     chain of collapses left over, which has moved to the optimal place. Where borders or folds leave no edge to
     collapse more faces stay than asked for.
 
-    Raises `InputError` for a strength of 1 or more, and where fast-simplification is missing.
+    Raises `InputError` for a strength of 1 or more, a mesh without faces, and where fast-simplification is missing.
     """
     if strength >= 1.0:
         raise InputError(f"strength {strength:g} is out of range, expected a share of faces below 1")
     simplifier = library("fast_simplification", "attacks")
     welded = weld(mesh)
     used, corners = np.unique(welded.faces, return_inverse=True)
+    if not len(used):
+        raise InputError(
+            "the model has no faces to simplify, expected at least one with three different points"
+        )
     points, faces = welded.points[used], corners.reshape(-1, 3)
     target = max(round((1.0 - strength) * len(faces)), 4)
     kept = np.arange(len(points))

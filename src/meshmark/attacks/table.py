@@ -22,6 +22,7 @@ from meshmark.attacks.rounding import float32, quantisation
 from meshmark.attacks.simplification import simplification
 from meshmark.attacks.smoothing import smoothing, smoothing_half, taubin
 from meshmark.attacks.subdivision import loop, midpoint, sqrt3
+from meshmark.attacks.voxels import voxels
 from meshmark.errors import InputError
 
 __all__ = ["ATTACKS", "find_attack"]
@@ -44,7 +45,7 @@ _VERTICES = _Scale("of the vertices", 0.0, 1.0)
 _FACES = _Scale("of the faces", 0.0, 1.0)
 _LEVELS = _Scale("levels", 1, 10, True)
 _EDGE = _Scale("of the mean edge length", 0.2, 5.0)
-_CUBES = _Scale("voxels along the longest side", 4, 1024, True)
+_VOXELS = _Scale("voxels along the longest side", 4, 512, True)
 _AMOUNT = _Scale("of any rotation, scale 0.1 to 10 and shift by a diagonal", 0.0, 1.0)
 _STRETCH = _Scale("more along one direction, less along another", 0.0, 0.99)
 _MODELS = _Scale("models in the average, this one included", 2, 1000, True)
@@ -76,6 +77,7 @@ ATTACKS: dict[str, Attack] = {
     "loop": _row(loop, (1, 2), _LEVELS, "a smooth subdivision surface (Loop)"),
     "sqrt3": _row(sqrt3, (1, 2), _LEVELS, "a smooth subdivision surface (sqrt 3)"),
     "remeshing": _row(remeshing, (0.7, 1, 1.5, 2), _EDGE, "even triangles from a sculpting program"),
+    "voxels": _row(voxels, (256, 128, 64), _VOXELS, "a solid made anew for printing, a scan fused again"),
     "similarity": _row(similarity, (1,), _AMOUNT, "turned, scaled and moved in an editor, other units"),
     "affine": _row(affine, (0.01, 0.02, 0.03, 0.05), _STRETCH, "stretched a little in an editor"),
     "mirror": _row(mirror, (1,), _ONCE, "mirrored in an editor, a left-handed importer"),
