@@ -1,0 +1,1 @@
+"""A small multilayer perceptron and its Levenberg-Marquardt training; pure arrays, no meshes."""
