@@ -18,7 +18,9 @@ if TYPE_CHECKING:
 __all__ = ["Crew"]
 
 # A worker can also be ended from outside, so a job is lost only when it loses its worker this often.
-_TRIES = 2
+_TRIES = 3
+# Seconds between looks at pools that say nothing.
+_PATIENCE = 1.0
 
 
 class Crew:
@@ -47,10 +49,7 @@ class Crew:
 
     def __exit__(self, *_: object) -> None:
         pools = [*(pool for pool in self._free if pool), *(pool for pool, *_ in self._busy.values())]
-        for pool in pools:
-            pool.stop()  # type: ignore[no-untyped-call]
-        for pool in pools:
-            pool.join()
+        _stop(pools)
 
     @property
     def free(self) -> int:
@@ -64,15 +63,16 @@ class Crew:
 
     def submit(self, job: Job, attempt: int = 1) -> None:
         """Give a job to a free worker."""
-        pool = self._free.pop() or self._new_pool()
+        pool = self._free.pop()
+        if pool is None or not pool.active:  # an idle worker was ended from outside
+            pool = self._renewed(pool)
         future = pool.schedule(work, args=[self.setup, job], timeout=self.time_limit)
         self._busy[future] = pool, job, attempt
 
     def finished(self) -> list[tuple[Job, Outcome]]:
         """Wait until a job ends and return those that have; one that lost its worker is tried again first."""
-        done, _ = wait(self._busy, return_when=FIRST_COMPLETED)
-        results = []
-        for future in done:
+        results: list[tuple[Job, Outcome]] = []
+        for future in self._ended():
             pool, job, attempt = self._busy.pop(future)
             outcome = self._outcome(future, pool)
             if outcome.status == "killed" and attempt < _TRIES:
@@ -81,33 +81,51 @@ class Crew:
                 results.append((job, outcome))
         return results
 
+    def _ended(self) -> list[Future[Outcome]]:
+        """Wait until a job has ended, or has lost its pool before the pool knew of it."""
+        while True:
+            done, others = wait(self._busy, timeout=_PATIENCE, return_when=FIRST_COMPLETED)
+            ended = [*done, *(future for future in others if not self._busy[future][0].active)]
+            if ended:
+                return ended
+
     def _outcome(self, future: Future[Outcome], pool: ProcessPool) -> Outcome:
         from pebble import ProcessExpired
 
-        try:
-            outcome = future.result()
-        except TimeoutError:
-            outcome = Outcome("timeout", f"took longer than {self.time_limit:g} s")
-        except ProcessExpired as error:
-            outcome = Outcome("killed", f"the worker {_ended(error.exitcode)}")
-        except BrokenProcessPool:
+        if not future.done():
             outcome = Outcome("killed", "the worker ended before it could begin")
         else:
-            self._free.append(pool)
-            return outcome
-        # a lock that the lost worker held would stay locked
-        pool.stop()  # type: ignore[no-untyped-call]
-        pool.join()
-        self._free.append(None)
+            try:
+                outcome = future.result()
+            except TimeoutError:
+                outcome = Outcome("timeout", f"took longer than {self.time_limit:g} s")
+            except ProcessExpired as error:
+                outcome = Outcome("killed", f"the worker {_how(error.exitcode)}")
+            except BrokenProcessPool:
+                outcome = Outcome("killed", "the worker ended before it could begin")
+            else:
+                self._free.append(pool)
+                return outcome
+        self._free.append(self._renewed(pool))
         return outcome
 
-    def _new_pool(self) -> ProcessPool:
+    def _renewed(self, pool: ProcessPool | None) -> ProcessPool:
+        """Return a new pool of one worker. A lock that a lost worker held stays locked in its old pool."""
         from pebble import ProcessPool
 
+        if pool is not None:
+            _stop([pool])
         return ProcessPool(max_workers=1, initializer=begin, initargs=[self.setup], context=self._context)
 
 
-def _ended(code: int) -> str:
+def _stop(pools: list[ProcessPool]) -> None:
+    for pool in pools:
+        pool.stop()  # type: ignore[no-untyped-call]
+    for pool in pools:
+        pool.join()
+
+
+def _how(code: int) -> str:
     """Say how a process ended, from its exit code."""
     if code < 0:
         return f"was ended by {signal.Signals(-code).name}"
