@@ -16,7 +16,7 @@ MODEL = Mesh(*pebble(30))
 
 
 def separable(one: np.ndarray, other: np.ndarray) -> bool:
-    """Whether a plane parts two sets of points: a linear programme finds n, c with n.x >= c + 1 and n.x <= c - 1."""
+    """Whether a plane parts two sets: a linear programme finds n, c with n.x >= c + 1 and n.x <= c - 1."""
     above = np.column_stack([-one, np.ones(len(one))])
     below = np.column_stack([other, -np.ones(len(other))])
     limits = np.full(len(one) + len(other), -1.0)

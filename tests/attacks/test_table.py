@@ -163,7 +163,8 @@ def test_odd_models_are_attacked_or_refused_in_one_sentence(name, case):
     try:
         result = entry.apply(mesh, entry.default, np.random.default_rng(1), given_for(mesh))
     except InputError as error:
-        assert re.fullmatch(r"[^\n]{20,}", str(error))
+        refusal = str(error)
+        assert re.fullmatch(r"[^\n]{20,}", refusal)
         return
     assert len(result.mesh.vertices)
     assert len(result.mesh.faces) or not len(mesh.faces) or case == "all in one place"
@@ -198,7 +199,7 @@ def test_what_an_attack_needs_is_asked_for(name):
 
 def test_an_unknown_name_is_refused_with_the_valid_ones():
     with pytest.raises(
-        InputError, match="'nonsense' is not an attack, expected one of noise, gaussian, .*copy"
+        InputError, match=r"'nonsense' is not an attack, expected one of noise, gaussian, .*copy"
     ):
         find_attack("nonsense")
     assert find_attack("noise") is mm.ATTACKS["noise"]

@@ -69,6 +69,7 @@ def commands(path: Path, folder: Path, key: Path):
         "embed": ("embed", path, folder / "out.ply", "--key", key),
         "embed json": ("embed", path, folder / "out.obj", "--key", key, "--json"),
         "extract": ("extract", path, "--key", key),
+        "attack": ("attack", path, folder / "out.ply", "noise", "0.01", "--map", folder / "out.csv"),
         "compare": ("compare", path, path),
         "saliency": ("saliency", path, "--picture", folder / "out.png"),
         "segment": ("segment", path, "--picture", folder / "out.png", "--json"),
@@ -78,7 +79,7 @@ def commands(path: Path, folder: Path, key: Path):
 
 
 @pytest.mark.parametrize(
-    "command", ["embed", "embed json", "extract", "compare", "saliency", "segment", "info"]
+    "command", ["embed", "embed json", "extract", "attack", "compare", "saliency", "segment", "info"]
 )
 @pytest.mark.parametrize("case", UNREADABLE)
 def test_unreadable_models(cli, files, tmp_path, case, command):
@@ -91,7 +92,7 @@ def test_unreadable_models(cli, files, tmp_path, case, command):
 
 
 @pytest.mark.parametrize(
-    "command", ["embed", "embed json", "extract", "compare", "saliency", "segment", "info"]
+    "command", ["embed", "embed json", "extract", "attack", "compare", "saliency", "segment", "info"]
 )
 def test_a_missing_model_and_a_folder(cli, files, tmp_path, command):
     before = snapshot(tmp_path)
@@ -107,7 +108,7 @@ def test_models_that_cannot_carry_a_mark(cli, files, tmp_path, case):
     assert_refused(cli("embed", tmp_path / name, tmp_path / "out.obj", "--key", files.key), tmp_path, before)
 
 
-@pytest.mark.parametrize("command", ["extract", "compare", "saliency", "segment", "info"])
+@pytest.mark.parametrize("command", ["extract", "attack", "compare", "saliency", "segment", "info"])
 @pytest.mark.parametrize("case", HOLLOW)
 def test_hollow_models_never_crash_a_command(cli, files, tmp_path, case, command):
     name, content = HOLLOW[case]
@@ -177,6 +178,7 @@ def test_a_key_and_a_folder_without_permission(cli, files, tmp_path):
 def test_places_where_nothing_can_be_written(cli, files, tmp_path):
     (tmp_path / "file").write_text("x")
     (tmp_path / "folder.ply").mkdir()
+    (tmp_path / "folder.csv").mkdir()
     (tmp_path / "hare.ply.gz").write_bytes(files.model.read_bytes())
     (tmp_path / "link.ply.gz").symlink_to(tmp_path / "hare.ply.gz")
     (tmp_path / "own.key").write_bytes(files.key.read_bytes())
@@ -195,6 +197,9 @@ def test_places_where_nothing_can_be_written(cli, files, tmp_path):
         tmp_path / ("x" * 300 + ".ply"),
     ):
         assert_refused(cli("embed", model, out, "--key", key), tmp_path, before)
+        assert_refused(cli("attack", model, out, "noise", "--with", key), tmp_path, before)
+    for out in (tmp_path / "folder.csv", tmp_path / "nowhere" / "a.csv", tmp_path / "a.ply", model):
+        assert_refused(cli("attack", model, tmp_path / "out.ply", "noise", "--map", out), tmp_path, before)
     for command in ("saliency", "segment"):
         for out in (tmp_path / "folder.ply", tmp_path / "nowhere" / "a.png", tmp_path / "a.jpg", model):
             assert_refused(cli(command, model, "--picture", out), tmp_path, before)
@@ -245,6 +250,19 @@ def test_no_space_for_the_output(files, tmp_path, command):
         ("embed", "a", "b", "--key", "k", "--payload", "none"),
         ("extract", "a", "--key", "k", "--certificate", "c"),
         ("extract", "a", "--key", "k", "--search", "deep"),
+        ("attack",),
+        ("attack", "a", "b"),
+        ("attack", "a", "b", "nonsense"),
+        ("attack", "a", "b", "noise", "loud"),
+        ("attack", "a", "b", "noise", "--", "-1"),
+        ("attack", "a", "b", "noise", "nan"),
+        ("attack", "a", "b", "crop:0.1+noise", "0.1"),
+        ("attack", "a", "b", "crop:0.1", "0.1"),
+        ("attack", "a", "b", "quantisation", "7.5"),
+        ("attack", "a", "b", "collusion", "2"),
+        ("attack", "a", "b", "noise+second_mark"),
+        ("attack", "a", "b", "noise", "--seed", "-1"),
+        ("attack", "a", "b", "noise", "--map", "m.txt"),
         ("info", "a", "b"),
         ("--what",),
     ],

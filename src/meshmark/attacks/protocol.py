@@ -23,7 +23,8 @@ from meshmark.mesh import FloatArray, Mesh
 
 __all__ = ["collusion", "copy", "second_mark"]
 
-# The copy attack smooths with a Gaussian of this share of the donor's diagonal: wider takes the shape for the mark.
+# The copy attack smooths with a Gaussian of this share of the donor's diagonal. On the horse that takes off 0.16 %
+# of the diagonal RMS, about as much as a strong mark; twice the width takes off 0.5 %, most of it shape.
 SMOOTHING = 0.01
 
 
@@ -43,7 +44,7 @@ def collusion(mesh: Mesh, strength: float, _rng: np.random.Generator, given: Giv
     used = given.copies[: int(strength) - 1]
     if len(used) < strength - 1:
         raise InputError(
-            f"collusion of {strength:g} needs {strength - 1:g} more copies, {len(used)} were given"
+            f"collusion of {strength:g} needs {strength - 1:g} other copies and was given {len(used)}"
         )
     for number, other in enumerate(used, 1):
         same = other.vertices.shape == mesh.vertices.shape and np.array_equal(other.faces, mesh.faces)

@@ -37,20 +37,20 @@ class _Scale(NamedTuple):
     whole: bool = False
 
 
-_AMPLITUDE = _Scale("of the mean distance between vertices and centroid")
+_AMPLITUDE = _Scale("share of the mean vertex-centroid distance")
 _PASSES = _Scale("passes", 1, 10_000, True)
 _BITS = _Scale("bits per coordinate", 1, 52, True)
-_POINTS = _Scale("of the points", 0.0, 1.0)
-_VERTICES = _Scale("of the vertices", 0.0, 1.0)
-_FACES = _Scale("of the faces", 0.0, 1.0)
+_POINTS = _Scale("share of the points", 0.0, 1.0)
+_VERTICES = _Scale("share of the vertices", 0.0, 1.0)
+_FACES = _Scale("share of the faces", 0.0, 1.0)
 _LEVELS = _Scale("levels", 1, 10, True)
-_EDGE = _Scale("of the mean edge length", 0.2, 5.0)
+_EDGE = _Scale("mean edge lengths", 0.2, 5.0)
 _VOXELS = _Scale("voxels along the longest side", 4, 512, True)
-_AMOUNT = _Scale("of any rotation, scale 0.1 to 10 and shift by a diagonal", 0.0, 1.0)
-_STRETCH = _Scale("more along one direction, less along another", 0.0, 0.99)
+_AMOUNT = _Scale("share of any rotation, scale 0.1 to 10, shift by a diagonal", 0.0, 1.0)
+_STRETCH = _Scale("share more along one direction, less along another", 0.0, 0.99)
 _MODELS = _Scale("models in the average, this one included", 2, 1000, True)
-_ESTIMATE = _Scale("of the mark that the donor seems to have")
-_ONCE = _Scale("time", 1, 1)
+_ESTIMATE = _Scale("share of the mark that the donor seems to have")
+_ONCE = _Scale("times", 1, 1)
 
 
 def _row(

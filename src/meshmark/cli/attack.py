@@ -187,7 +187,7 @@ def _list(as_json: bool) -> None:
 
 def _described(entry: dict[str, Any]) -> str:
     strengths = ", ".join(f"{strength:g}" for strength in entry["strengths"])
-    default = f" (default {entry['default']:g})" if len(entry["strengths"]) > 1 else ""
+    default = f"; default {entry['default']:g}" if len(entry["strengths"]) > 1 else ""
     needs = {
         "": "",
         "copies": "; needs --with COPY for each copy",
@@ -195,4 +195,4 @@ def _described(entry: dict[str, Any]) -> str:
         "embed": "; on the command line: `meshmark embed` with another key",
     }[entry["needs"]]
     start, gap = f"{entry['name']:<{_INDENT}}", " " * _INDENT
-    return f"{start}{strengths} {entry['unit']}{default}\n{gap}{entry['imitates']}{needs}"
+    return f"{start}{strengths} ({entry['unit']}{default})\n{gap}{entry['imitates']}{needs}"
