@@ -14,6 +14,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from meshmark.mesh import FloatArray
+
 __all__ = ["Estimate", "mean", "per_model", "rate", "rate_by_model", "upper_limit"]
 
 _TAIL = 0.025
@@ -93,7 +95,7 @@ def _limits_of_rate(hits: int, trials: int, tail: float) -> tuple[float, float]:
     return low, high
 
 
-def _limits_of_mean(z: np.ndarray[tuple[int], np.dtype[np.float64]]) -> tuple[float, float]:
+def _limits_of_mean(z: FloatArray) -> tuple[float, float]:
     weights = np.random.default_rng(_SEED).standard_exponential((_DRAWS, len(z) + 1))
     total = weights.sum(axis=1)
     seen = weights[:, 1:] @ z

@@ -43,11 +43,11 @@ class Panel:
 
 @dataclass(frozen=True)
 class Entry:
-    """A line of a legend: the words, the number of the colour, and whether the line is dashed."""
+    """A line of a legend: the words, the numbers of its colour and of its dashes (0 solid)."""
 
     words: str
     colour: int
-    dashed: bool = False
+    dash: int = 0
 
 
 @dataclass(frozen=True)

@@ -36,7 +36,7 @@ def _table(table: Table, command: str) -> list[str]:
 
 def _plot(plot: Plot, command: str, folder: str) -> list[str]:
     pictures = [f"![{_escape(panel.alt)}]({folder}/{panel.name}.svg)" for panel in plot.panels]
-    if plot.legend:
+    if len(plot.legend) > 1:
         pictures.insert(0, f"![Legend]({folder}/{plot.panels[0].name}-legend.svg)")
     return [f"### {_escape(plot.title)}", _escape(plot.caption), "\n".join(pictures), _made(command)]
 

@@ -26,16 +26,18 @@ from meshmark.benchmark.speed import speeds
 __all__ = ["overview"]
 
 
-def overview(rows: Sequence[Row], facts: Facts) -> Section:
+def overview(rows: Sequence[Row], facts: Facts, *, pictures: bool = True) -> Section:
     """Return the summary; it also holds for no rows at all."""
     if not rows:
         return Section("summary", "Summary", ("No case has been measured yet.",))
     split = main_split(rows)
     chosen = [row for row in rows if split in (ALL, row.split)]
     figures = [item for item in robustness(chosen) if (item.split, item.size_class) == (ALL, ALL)]
-    words = (_measured(chosen, rows, facts, split), *_results(figures), *_false_alarms(alarms(rows)))
+    words = [_measured(chosen, rows, facts, split), *_results(figures), *_false_alarms(alarms(rows))]
+    if not pictures:
+        words.append("This report has no plots: they need matplotlib (pip install meshmark[bench]).")
     table = _glance(chosen, figures, alarms(rows))
-    return Section("summary", "Summary", words, (table,) if table.rows else ())
+    return Section("summary", "Summary", tuple(words), (table,) if table.rows else ())
 
 
 def _measured(chosen: Sequence[Row], rows: Sequence[Row], facts: Facts, split: str) -> str:

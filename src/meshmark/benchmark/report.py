@@ -2,33 +2,56 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from meshmark.benchmark.aggregate import robustness
 from meshmark.benchmark.csv_files import results_csv, summary_csv
+from meshmark.benchmark.drawing import has_matplotlib, legend
 from meshmark.benchmark.facts import Facts
+from meshmark.benchmark.layout import Plot
 from meshmark.benchmark.markdown import markdown
+from meshmark.benchmark.page import page
+from meshmark.benchmark.plots import plots
 from meshmark.benchmark.row import Row
 from meshmark.benchmark.sections import sections
 from meshmark.errors import OutputError
 
 __all__ = ["write_reports"]
 
+_PICTURES = "plots"
+
 
 def write_reports(rows: Sequence[Row], facts: Facts, folder: Path) -> list[Path]:
-    """Write results.csv, summary.csv and report.md into a folder and return their paths.
+    """Write the reports into a folder and return the paths of report.html, report.md, results.csv, summary.csv.
 
-    The same rows and facts give the same bytes. Raises `OutputError` where a file cannot be written.
+    The pictures of report.md go to the folder plots, as SVG; without matplotlib (`pip install meshmark[bench]`) the
+    reports have none, and say so. The same rows and facts give the same bytes. Raises `OutputError` where a file
+    cannot be written.
     """
     ordered = sorted(rows, key=lambda row: row.case)
     title = f"meshmark bench {facts.suite}"
+    drawn = plots(ordered) if has_matplotlib() else {}
+    parts = sections(ordered, facts, drawn)
+    for name, svg in _pictures([plot for group in drawn.values() for plot in group]):
+        _write(folder / _PICTURES / f"{name}.svg", svg + "\n")
     texts = {
+        "report.html": page(title, parts, facts),
+        "report.md": markdown(title, parts, facts.command, _PICTURES),
         "results.csv": results_csv(ordered),
         "summary.csv": summary_csv(robustness(ordered)),
-        "report.md": markdown(title, sections(ordered, facts, {}), facts.command, "plots"),
     }
     return [_write(folder / name, text) for name, text in texts.items()]
+
+
+def _pictures(drawn: Sequence[Plot]) -> Iterator[tuple[str, str]]:
+    """Yield the name and the SVG of every panel, and of a legend for each plot that has one."""
+    for plot in drawn:
+        for panel in plot.panels:
+            yield panel.name, panel.svg
+        if len(plot.legend) > 1:
+            name = f"{plot.panels[0].name}-legend"
+            yield name, legend(name, plot.legend)
 
 
 def _write(path: Path, text: str) -> Path:

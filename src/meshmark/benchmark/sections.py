@@ -34,7 +34,7 @@ def sections(rows: Sequence[Row], facts: Facts, plots: Mapping[str, Sequence[Plo
     changes, times = distortions(rows), speeds(rows)
     trouble = trouble_table(rows)
     parts = [
-        overview(rows, facts),
+        overview(rows, facts, pictures=bool(plots)),
         Section(
             "attacks",
             "What survives which attack",

@@ -1,0 +1,96 @@
+"""The plots of a report, by the section they belong to."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from meshmark.benchmark.aggregate import ALL, Robustness, main_split, robustness, size_classes
+from meshmark.benchmark.calibration import calibration_plot
+from meshmark.benchmark.curves import Series, curve_plot, dot_plot
+from meshmark.benchmark.drawing import COLOURS, DASHES
+from meshmark.benchmark.layout import Entry, Plot
+from meshmark.benchmark.mark_plots import distortion_plot, time_plot
+from meshmark.benchmark.row import Row
+
+__all__ = ["plots"]
+
+
+def plots(rows: Sequence[Row]) -> dict[str, list[Plot]]:
+    """Return the plots of each section; a section without figures has none. Needs matplotlib."""
+    figures = [figure for figure in robustness(rows) if figure.split == main_split(rows)]
+    return {
+        "attacks": _robust(figures, size_classes(rows)),
+        "alarms": _some(calibration_plot(rows)),
+        "distortion": _some(distortion_plot(rows)),
+        "speed": _some(time_plot(rows)),
+    }
+
+
+def _robust(figures: Sequence[Robustness], sizes: Sequence[str]) -> list[Plot]:
+    by_mark = _by_mark([figure for figure in figures if figure.size_class == ALL])
+    found = _some(
+        curve_plot("ber", "Bit errors against strength", _BER, by_mark, "ber"),
+        curve_plot("exact", "Id exact against strength", _RATE, by_mark, "recovered"),
+        curve_plot("found", "Mark found against strength", _FOUND, by_mark, "present"),
+        dot_plot("single", "Attacks of one strength, and chains", _DOTS, by_mark, "recovered"),
+    )
+    for number, one in enumerate(by_mark, 1):
+        scheme, budget = one.figures[0].scheme, one.figures[0].budget
+        mine = [f for f in figures if (f.scheme, f.budget) == (scheme, budget)]
+        by_size = _by_size(mine, sizes)
+        if len(by_size) > 1:
+            for field, words in (("ber", "bit errors"), ("recovered", "id exact"), ("present", "mark found")):
+                title = f"{scheme}, {budget}: {words} by size of the model"
+                plot = curve_plot(f"{field}-by-size-{number}", title, _SIZES, by_size, field)
+                found += [] if plot is None else [_folded(plot)]
+    return found
+
+
+def _by_mark(figures: Sequence[Robustness]) -> list[Series]:
+    """Return a series for each scheme and budget: colours tell schemes, or budgets where there is one scheme."""
+    keys = list(dict.fromkeys((f.scheme, f.budget) for f in figures))
+    schemes, budgets = (list(dict.fromkeys(key[i] for key in keys)) for i in (0, 1))
+    series = []
+    for scheme, budget in keys:
+        own = schemes.index(scheme) if len(schemes) > 1 else budgets.index(budget)
+        entry = Entry(f"{scheme}, {budget}", own % len(COLOURS), budgets.index(budget) % len(DASHES))
+        series.append(Series(entry, tuple(f for f in figures if (f.scheme, f.budget) == (scheme, budget))))
+    return series
+
+
+def _by_size(figures: Sequence[Robustness], sizes: Sequence[str]) -> list[Series]:
+    series = []
+    for i, size in enumerate(sizes):
+        chosen = tuple(figure for figure in figures if figure.size_class == size)
+        if chosen:
+            models = max(figure.models for figure in chosen)
+            series.append(Series(Entry(f"{size} points (n = {models})", i % len(COLOURS)), chosen))
+    return series
+
+
+def _folded(plot: Plot) -> Plot:
+    return Plot(plot.title, plot.caption, plot.panels, plot.legend, folded=True)
+
+
+def _some(*plots: Plot | None) -> list[Plot]:
+    return [plot for plot in plots if plot is not None]
+
+
+_AXES = (
+    "Strengths stand at their true distances; where they span more than a factor of 12, the axis is linear near 0 "
+    "and logarithmic beyond."
+)
+_BER = (
+    "Mean share of wrong bits over the models read, with its 95 % interval; the dashed line at 50 % is guessing, "
+    f"and what reaches beyond 65 % is cut. {_AXES}"
+)
+_RATE = (
+    "Share of marked models whose id came back without an error, with its 95 % interval; refused and failed cases "
+    "are misses."
+)
+_FOUND = (
+    "Share of marked models in which the scheme says its mark is there, at the false-positive rate it decides at "
+    "(see “False alarms”), with its 95 % interval; refused and failed cases are misses."
+)
+_DOTS = "Share of marked models whose id came back without an error; lines are 95 % intervals."
+_SIZES = "The same for each size class; bands are 95 % intervals and wide where a class has few models."
