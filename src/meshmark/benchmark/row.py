@@ -62,6 +62,7 @@ class Row:
     rms_over_diagonal: float | None = None
     max_over_diagonal: float | None = None
     mrms_over_diagonal: float | None = None
+    symmetric_rms_over_diagonal: float | None = None
     hausdorff_over_diagonal: float | None = None
     psnr_db: float | None = None
     paper_psnr_db: float | None = None

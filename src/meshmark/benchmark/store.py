@@ -43,8 +43,13 @@ class Store:
             self._base = sqlite3.connect(self.path, isolation_level=None)
             self._base.execute("PRAGMA journal_mode=WAL")
             self._base.executescript(_SCHEMA)
+            columns = [column[1] for column in self._base.execute("PRAGMA table_info(rows)")]
         except sqlite3.Error as error:
+            self._lock.close()
             raise OutputError(f"cannot use {self.path} as a store of results: {error}") from None
+        if columns != _CASE + _ROW:
+            self.__exit__()
+            raise InputError(f"{self.path} was made by another version of meshmark; choose another --out")
 
     def __enter__(self) -> Store:
         return self

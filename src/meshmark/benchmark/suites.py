@@ -97,7 +97,7 @@ SUITES: dict[str, Suite] = {
         "what must not be found, and attacks on the use of marks",
         ("standard",),
         (
-            Part(("none", "mirror:1", "second_mark:1", *_each("collusion", 2, 3, 5))),
+            Part(("none", "mirror:1", "paste:0.1", "second_mark:1", *_each("collusion", 2, 3, 5))),
             Part(("copy:1",), "forged"),
             Part(("none",), "wrong key", 10),
             Part(_MILD, "wrong key"),

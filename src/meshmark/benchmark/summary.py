@@ -6,7 +6,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from meshmark.benchmark.row import Row
+from meshmark.benchmark.labels import ordered
+from meshmark.benchmark.row import TRIALS, Row
 
 __all__ = ["Line", "as_table", "summary"]
 
@@ -36,12 +37,15 @@ class Line:
 
 
 def summary(rows: Iterable[Row]) -> list[Line]:
-    """Return the lines in the order of the rows."""
+    """Return the lines by scheme, budget, trial and attack, attacks by kind and mildest first."""
     groups: dict[tuple[str, str, str, str], list[Row]] = {}
     for row in rows:
         case = row.case
         groups.setdefault((case.scheme, case.budget, case.trial, case.attack), []).append(row)
-    return [_line(*names, group) for names, group in groups.items()]
+    place = {attack: number for number, attack in enumerate(ordered({attack for *_, attack in groups}))}
+    trials = list(TRIALS)
+    names = sorted(groups, key=lambda each: (*each[:2], trials.index(each[2]), place[each[3]]))
+    return [_line(*each, groups[each]) for each in names]
 
 
 def _line(scheme: str, budget: str, trial: str, attack: str, group: Sequence[Row]) -> Line:
