@@ -11,7 +11,7 @@ from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["band_distance", "split_triangles"]
 
-PAIRS = 400_000
+PAIRS = 100_000
 """Pairs of node and triangle looked at together; bounds memory."""
 LONGEST = 4.0
 """Triangles are cut into pieces no longer than this, in voxels, so that their boxes hold few far nodes."""

@@ -17,7 +17,7 @@ __all__ = ["solid_nodes"]
 
 ENOUGH = 4
 """Votes that make a node solid, of the 6 that all rays agree on inside a closed surface."""
-PAIRS = 400_000
+PAIRS = 100_000
 """Pairs of triangle and grid line looked at together; bounds memory."""
 
 
@@ -40,11 +40,10 @@ def solid_nodes(points: FloatArray, faces: IntArray, shape: tuple[int, int, int]
         steps *= 2
         steps -= every
         votes += np.clip(steps, -2, 2, out=steps).astype(np.int8)
-    solid: NDArray[np.bool_] = np.asarray(votes >= ENOUGH)
+    solid: NDArray[np.bool_] = votes >= ENOUGH
     for axis, place in enumerate(points.T):  # nothing reaches beyond the surface's own box
-        rows = np.moveaxis(solid, axis, 0)
-        rows[: int(np.ceil(place.min()))] = False
-        rows[int(place.max()) + 1 :] = False
+        node = np.arange(shape[axis]).reshape([-1 if other == axis else 1 for other in range(3)])
+        solid &= (node >= place.min()) & (node <= place.max())
     return solid
 
 
@@ -66,7 +65,7 @@ def _crossings(
             side[side == 0.0] = np.finfo(float).tiny
             sides.append(np.where(low == corners[one], side, -side))
         weights = np.stack(sides)
-        front = (weights > 0.0).all(axis=0)
+        front = np.asarray((weights > 0.0).all(axis=0))
         hit = np.flatnonzero(front | (weights < 0.0).all(axis=0))
         weights = weights[:, hit]
         weights /= weights.sum(axis=0)

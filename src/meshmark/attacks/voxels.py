@@ -50,13 +50,15 @@ def voxels(mesh: Mesh, strength: float, rng: np.random.Generator, _given: Given)
     voxel, corner = side / strength, points.min(axis=0)
     phase = MARGIN + rng.random(3)
     placed = (points - corner) / voxel + phase
-    inverted = _volume(placed - placed.mean(axis=0), faces) < 0.0
+    inverted = (
+        _volume(placed - placed.mean(axis=0), faces) < -1.0
+    )  # in voxels; a flat sheet has none to speak of
     field = _signed_distance(placed, faces[:, ::-1] if inverted else faces)
     if field.min() > 0.0:
         raise InputError(
             f"the model is too thin for {strength:g} voxels along its longest side, expected more"
         )
-    new_points, new_faces, _, _ = measure.marching_cubes(field, 0.0, gradient_direction="ascent")
+    new_points, new_faces, _, _ = measure.marching_cubes(field, 0.0, gradient_direction="descent")
     new_faces = new_faces[:, ::-1] if inverted else new_faces
     scene = (new_points.astype(np.float64) - phase) * voxel + corner
     return Attacked(Mesh(scene, new_faces.astype(np.int64)), None)
@@ -72,12 +74,17 @@ def _signed_distance(points: FloatArray, faces: IntArray) -> NDArray[np.float32]
     high = np.ceil(points.max(axis=0)).astype(np.int64) + MARGIN + 1
     shape = (int(high[0]), int(high[1]), int(high[2]))
     solid = solid_nodes(points, faces, shape)
-    triangles = split_triangles(points[faces])
-    field = np.maximum(band_distance(triangles, shape, BAND), np.float32(NUDGE))
+    single = np.unique(np.sort(faces, axis=1), axis=0)  # soups hold many a face twice
+    triangles = split_triangles(points[single])
+    sheet = _far_from(solid, triangles.mean(axis=1))
+    field = band_distance(triangles[~sheet], shape, BAND)
+    shell = band_distance(triangles[sheet], shape, HALF_SHEET + BAND) if sheet.any() else None
+    if shell is not None:
+        np.minimum(field, shell, out=field)  # the faces that bound a solid and those that do not, together
+    np.maximum(field, NUDGE, out=field)
     np.negative(field, where=solid, out=field)
-    sheets = triangles[_far_from(solid, triangles.mean(axis=1))]
-    if len(sheets):
-        shell = band_distance(sheets, shape, HALF_SHEET + BAND) - np.float32(HALF_SHEET)
+    if shell is not None:
+        shell -= np.float32(HALF_SHEET)
         shell[np.abs(shell) < NUDGE] = NUDGE
         np.minimum(field, shell, out=field)
     return field
