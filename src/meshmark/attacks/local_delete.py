@@ -16,8 +16,8 @@ __all__ = ["delete_part", "without_loose"]
 def delete_part(mesh: Mesh, strength: float, rng: np.random.Generator, _given: Given) -> Attacked:
     """Delete the share `strength` of the vertices, around a random one, with all faces there.
 
-    `altered` marks the vertices on the rim of the hole (none where whole parts went); vertices whose last face went
-    are gone, too. Raises `InputError` for a share of 1 or more, a mesh without faces, and where no face would be left.
+    `altered` marks the vertices on the rim of the hole, none where whole parts went; vertices whose last face went
+    are gone, too. Raises `InputError` for a share of 1 or more, a mesh without faces, and where none would be left.
     """
     patch = draw_patch(mesh, strength, rng)
     gone = patch.holds[patch.welded.point_of_vertex][mesh.faces].any(axis=1)
