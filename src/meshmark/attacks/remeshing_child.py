@@ -15,7 +15,7 @@ PASSES = 10
 """Rounds of split, collapse, flip and smooth; the library's own number."""
 
 
-def main() -> None:
+def _main() -> None:
     """Read, remesh, write."""
     from gpytoolbox import remesh_botsch  # type: ignore[import-untyped]
 
@@ -35,4 +35,4 @@ def _limit(seconds: int) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    _main()
