@@ -1,0 +1,229 @@
+"""The certificate of a marked model: a small file with which a suspect can be registered even with half of it gone.
+
+It holds landmarks (centres of smooth windows of the surface, with normals and descriptors), the canonical frame and
+the lattice's parameters: neither the surface nor anything of the key. The file is one JSON object:
+
+    format "meshmark certificate", version 1
+    vertices, faces      counts of the marked model
+    spacing, step        of the lattice, in canonical units and in spacings; strength subtle, standard or strong
+    frame                of the marked model: centre, scale, axes (columns), moments, area, skewness
+    landmarks            count, and arrays in base64, little-endian rows: places, normals, masses, curvatures
+                         (32-bit floats), descriptors (16-bit floats)
+
+Fields that a reader does not know are kept as they are, so later versions of meshmark can add some.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from math import isfinite
+from pathlib import Path
+from typing import Any, NoReturn
+
+import numpy as np
+
+from meshmark.errors import InputError, OutputError
+from meshmark.geometry.descriptors import DESCRIPTOR_LENGTH
+from meshmark.geometry.frame import Frame, canonical_frame
+from meshmark.geometry.landmarks import Landmarks
+from meshmark.geometry.registration import Surface
+from meshmark.geometry.weld import weld
+from meshmark.mesh import FloatArray, Mesh
+from meshmark.schemes.ncdg_lv.parameters import BUDGETS
+
+__all__ = ["LANDMARKS", "Certificate", "certify"]
+
+LANDMARKS = 400
+FORMAT, VERSION = "meshmark certificate", 1
+# A certificate is below 100 kB; what is far larger is none and is not read.
+LONGEST = 10_000_000
+MOST_LANDMARKS = 20_000
+_WIDTHS = {"places": 3, "normals": 3, "masses": 1, "curvatures": 1, "descriptors": DESCRIPTOR_LENGTH}
+_TYPES = {"descriptors": "<f2"}
+_OWN = {"format", "version", "vertices", "faces", "spacing", "step", "strength", "frame", "landmarks"}
+
+
+@dataclass(frozen=True, eq=False)
+class Certificate:
+    """What is kept of a marked model.
+
+    landmarks: in the canonical coordinates of `frame`, which is the marked model's; spacing, step, strength: of its
+    lattice; vertices, faces: of its file; more: further fields of the file, plain JSON values.
+    """
+
+    landmarks: Landmarks
+    frame: Frame
+    spacing: float
+    step: float
+    strength: str
+    vertices: int
+    faces: int
+    more: Mapping[str, Any] = field(default_factory=dict)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the certificate; raises `OutputError` where the file cannot be written."""
+        values = {
+            "format": FORMAT,
+            "version": VERSION,
+            "vertices": self.vertices,
+            "faces": self.faces,
+            "spacing": self.spacing,
+            "step": self.step,
+            "strength": self.strength,
+            "frame": {
+                "centre": self.frame.centre.tolist(),
+                "scale": self.frame.scale,
+                "axes": self.frame.axes.tolist(),
+                "moments": self.frame.moments.tolist(),
+                "area": self.frame.area,
+                "skewness": self.frame.skewness.tolist(),
+            },
+            "landmarks": _packed(self.landmarks),
+            **self.more,
+        }
+        try:
+            Path(path).write_text(json.dumps(values, indent=1, allow_nan=False) + "\n", encoding="ascii")
+        except OSError as error:
+            reason = error.strerror or "error"
+            raise OutputError(f"cannot write the certificate {os.fspath(path)}: {reason}") from None
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Certificate:
+        """Read a certificate; raises `InputError` that says what is wrong with the file."""
+        name = os.fspath(path)
+        try:
+            with Path(path).open("rb") as file:
+                content = file.read(LONGEST + 1)
+        except OSError as error:
+            raise InputError(f"cannot read the certificate {name}: {error.strerror or 'error'}") from None
+        if len(content) > LONGEST:
+            raise InputError(f"{name} is not a meshmark certificate: it is longer than {LONGEST} bytes")
+        try:
+            return _parse(content)
+        except InputError as error:
+            raise InputError(f"{name} is not a meshmark certificate: {error}") from None
+
+
+def certify(mesh: Mesh, spacing: float, step: float, strength: str) -> Certificate:
+    """Return the certificate of a marked mesh; raises `InputError` where it has no surface.
+
+    spacing: of the lattice in canonical units; step: of the quantisation, in spacings.
+    """
+    welded = weld(mesh)
+    frame = canonical_frame(welded.points, welded.faces)
+    landmarks = Surface(welded.points, welded.faces, frame).landmarks(LANDMARKS)
+    return Certificate(
+        _rounded(landmarks), frame, float(spacing), float(step), strength, len(mesh.vertices), len(mesh.faces)
+    )
+
+
+def _rounded(landmarks: Landmarks) -> Landmarks:
+    """Return the landmarks as a file holds them, so that a certificate is the same after a round trip."""
+    return _unpacked(_packed(landmarks))
+
+
+def _packed(landmarks: Landmarks) -> dict[str, Any]:
+    values: dict[str, Any] = {"count": len(landmarks)}
+    for name in _WIDTHS:
+        array = np.asarray(getattr(landmarks, name), dtype=_TYPES.get(name, "<f4"))
+        values[name] = base64.b64encode(array.tobytes()).decode("ascii")
+    return values
+
+
+def _unpacked(values: dict[str, Any]) -> Landmarks:
+    count = _number(values, "count", 0, MOST_LANDMARKS, whole=True)
+    arrays = {name: _array(values, name, int(count), width) for name, width in _WIDTHS.items()}
+    lengths = np.sqrt((arrays["normals"] ** 2).sum(axis=1))
+    if (np.abs(lengths - 1.0) > 1e-3).any():
+        raise InputError("a normal does not have the length 1")
+    if not (arrays["masses"] > 0.0).all():
+        raise InputError("a landmark has no mass")
+    return Landmarks(
+        arrays["places"],
+        arrays["normals"] / lengths[:, None],
+        arrays["masses"][:, 0],
+        arrays["curvatures"][:, 0],
+        arrays["descriptors"],
+    )
+
+
+def _array(values: dict[str, Any], name: str, count: int, width: int) -> FloatArray:
+    text = values.get(name)
+    kind = np.dtype(_TYPES.get(name, "<f4"))
+    try:
+        content = base64.b64decode(text if isinstance(text, str) else "-", validate=True)
+    except ValueError:
+        raise InputError(f"'{name}' is not an array in base64") from None
+    if len(content) != count * width * kind.itemsize:
+        raise InputError(f"'{name}' holds {len(content)} bytes, expected {count * width * kind.itemsize}")
+    array = np.frombuffer(content, kind).astype(np.float64).reshape(count, width)
+    if not np.isfinite(array).all():
+        raise InputError(f"'{name}' holds a number that is not finite")
+    return array
+
+
+def _parse(content: bytes) -> Certificate:
+    try:
+        values = json.loads(content.decode("utf-8"), parse_constant=_refuse)
+    except (ValueError, RecursionError):
+        raise InputError("it is not JSON") from None
+    if not isinstance(values, dict) or values.get("format") != FORMAT:
+        raise InputError(f"expected a JSON object with the format '{FORMAT}'")
+    if values.get("version") != VERSION:
+        raise InputError(f"its version is {values.get('version')!r}, expected {VERSION}")
+    strength = values.get("strength")
+    if strength not in BUDGETS:
+        raise InputError(f"'strength' is {strength!r}, expected one of {', '.join(BUDGETS)}")
+    return Certificate(
+        _unpacked(_table(values, "landmarks")),
+        _frame(_table(values, "frame")),
+        _number(values, "spacing", 1e-6, 1e3),
+        _number(values, "step", 1e-6, 1e3),
+        str(strength),
+        int(_number(values, "vertices", 0, 1e15, whole=True)),
+        int(_number(values, "faces", 0, 1e15, whole=True)),
+        {name: value for name, value in values.items() if name not in _OWN},
+    )
+
+
+def _refuse(word: str) -> NoReturn:
+    raise ValueError(word)
+
+
+def _table(values: dict[str, Any], name: str) -> dict[str, Any]:
+    table = values.get(name)
+    if not isinstance(table, dict):
+        raise InputError(f"'{name}' is missing or no object")
+    return table
+
+
+def _number(values: dict[str, Any], name: str, low: float, high: float, whole: bool = False) -> float:
+    value = values.get(name)
+    if type(value) is not int and (whole or type(value) is not float):
+        raise InputError(f"'{name}' is missing or no {'whole ' if whole else ''}number")
+    if not (isfinite(value) and low <= value <= high):
+        raise InputError(f"'{name}' is {value:g}, expected {low:g} to {high:g}")
+    return float(value)
+
+
+def _frame(values: dict[str, Any]) -> Frame:
+    centre, moments, skewness = (_numbers(values, name, (3,)) for name in ("centre", "moments", "skewness"))
+    axes = _numbers(values, "axes", (3, 3))
+    if np.abs(axes.T @ axes - np.eye(3)).max() > 1e-6 or np.linalg.det(axes) < 0.0:
+        raise InputError("'axes' is not a rotation")
+    scale, area = _number(values, "scale", 1e-100, 1e100), _number(values, "area", 1e-12, 1e12)
+    return Frame(centre, scale, axes, moments, area, skewness)
+
+
+def _numbers(values: dict[str, Any], name: str, shape: tuple[int, ...]) -> FloatArray:
+    try:
+        array = np.array(values.get(name), dtype=np.float64)
+    except (TypeError, ValueError):
+        array = np.zeros(0)
+    if array.shape != shape or not np.isfinite(array).all():
+        raise InputError(f"'{name}' is missing, or not {' by '.join(map(str, shape))} finite numbers")
+    return array
