@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 export OMP_NUM_THREADS ?= 1
 
-.PHONY: help setup demo test check docs bench clean
+.PHONY: help setup demo test check docs smoke bench clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /: /'
@@ -30,6 +30,11 @@ check: setup  ## style and types
 
 docs: setup  ## write docs/cli.md from the program's own help
 	$(BIN)/python tools/make_cli_docs.py
+
+smoke: setup  ## the smallest benchmark, and the facts that must hold in its table
+	rm -rf bench-out/smoke
+	$(BIN)/meshmark bench smoke --out bench-out/smoke
+	$(BIN)/python tools/check_smoke.py bench-out/smoke/results.csv
 
 bench: setup  ## the measurements; needs ../shared/data
 	$(BIN)/python -m benchmarks

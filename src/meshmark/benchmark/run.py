@@ -17,7 +17,7 @@ from meshmark.benchmark.schedule import Schedule
 from meshmark.benchmark.store import Store
 from meshmark.benchmark.suites import SUITES, cases
 from meshmark.benchmark.worker import Setup
-from meshmark.errors import InputError
+from meshmark.errors import InputError, OutputError
 from meshmark.schemes import SCHEMES
 
 __all__ = ["Finished", "Plan", "run"]
@@ -55,10 +55,14 @@ class Finished:
 def run(plan: Plan, told: Callable[[int, int, int], None] = lambda *_: None) -> Finished:
     """Do what is left to do; `told(done, total, failed)` is called after each row.
 
-    Raises `InputError` for a plan that cannot be, or a folder that holds another run.
+    Raises `InputError` for a plan that cannot be, or a folder that holds another run, `OutputError` for one
+    that cannot be written.
     """
     _check(plan)
-    plan.out.mkdir(parents=True, exist_ok=True)
+    try:
+        plan.out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"cannot make the folder {plan.out}: {error.strerror}") from None
     data = plan.out / "models" if plan.data is None else plan.data
     if plan.data is None:
         write_shipped(data)

@@ -1,0 +1,109 @@
+"""`meshmark bench` from the outside: a scheme of another package, its tables, and bad usage."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from meshmark.benchmark.shapes import lopsided
+from meshmark.benchmark.suites import SUITES, cases
+from meshmark.io import write_mesh
+
+TOYS = Path(__file__).parents[1] / "benchmark" / "toy_schemes.py"
+
+
+@pytest.fixture(scope="module")
+def elsewhere(tmp_path_factory):
+    """A folder with an installed package that registers a scheme, and one with a model."""
+    packages, models = (tmp_path_factory.mktemp(name) for name in ("packages", "models"))
+    (packages / "toys-1.0.dist-info").mkdir()
+    shutil.copy(TOYS, packages / "somebody_elses.py")
+    (packages / "toys-1.0.dist-info" / "METADATA").write_text(
+        "Metadata-Version: 2.1\nName: toys\nVersion: 1.0\n"
+    )
+    (packages / "toys-1.0.dist-info" / "entry_points.txt").write_text(
+        "[meshmark.schemes]\ntoy = somebody_elses:Toy\n"
+    )
+    write_mesh(lopsided(36), models / "pebble.ply")
+    return packages, models
+
+
+def start(elsewhere, out, *more):
+    packages, models = elsewhere
+    command = [sys.executable, "-m", "meshmark", "bench", "smoke", "--schemes", "toy", "--workers", "1"]
+    return subprocess.Popen(
+        [*command, "--data", models, "--out", out, *more],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "PYTHONPATH": str(packages), "TOY_SECONDS": "0.1"},
+        start_new_session=True,
+    )
+
+
+def test_a_scheme_in_one_file_outside_the_package_gets_every_table(elsewhere, tmp_path):
+    process = start(elsewhere, tmp_path / "out", "--json")
+    out, err = process.communicate(timeout=240)
+    assert process.returncode == 0, err
+    told = json.loads(out)
+    expected = {(case.trial, case.attack) for case in cases("smoke", "toy", "pebble.ply", 0)}
+    assert {(line["trial"], line["attack"]) for line in told["summary"]} == expected
+    assert told["facts"]["schemes"] == {"toy": "Toy (tests of meshmark)"}
+    reports = {Path(path).name: Path(path).read_text(encoding="utf-8") for path in told["reports"]}
+    assert reports.keys() >= {"results.csv", "report.md", "report.html"}
+    assert all("toy" in text for text in reports.values())
+    clean = next(line for line in told["summary"] if (line["trial"], line["attack"]) == ("marked", "none"))
+    assert (clean["recovered"], clean["ber"]) == (1, 0.0)
+    assert "19 of 19 cases, 0 failed" in err
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="sends a signal to a group")
+def test_an_interrupted_run_says_what_is_kept_and_leaves_no_process(elsewhere, tmp_path):
+    process = start(elsewhere, tmp_path)
+    while not list(tmp_path.glob("marked/*.npz")) and process.poll() is None:
+        time.sleep(0.02)
+    os.killpg(process.pid, signal.SIGINT)  # as a terminal does
+    out, err = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert out == ""
+    assert err == f"meshmark: what is done is kept in {tmp_path}; the same command goes on from there\n"
+    with pytest.raises(ProcessLookupError):
+        os.killpg(process.pid, 0)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["nonsense"], "'nonsense' is not a suite, expected one of smoke, paper, robust, security, speed"),
+        (["smoke", "--schemes", "nonsense"], "'nonsense' is not a scheme, expected one of ncdg_lv"),
+        (["smoke", "--schemes", ","], "--schemes names no scheme"),
+        (["smoke", "--data", "/nowhere"], "/nowhere is not a folder"),
+        (["smoke", "--workers", "0"], "number of workers is 0"),
+    ],
+)
+def test_bad_usage_is_one_sentence(cli, tmp_path, arguments, sentence):
+    ran = cli("bench", *arguments, "--out", tmp_path / "out")
+    assert ran.code == 2
+    assert ran.out == ""
+    assert sentence in ran.err
+    assert ran.err.count("\n") == 1
+
+
+def test_a_folder_that_cannot_be_made_is_an_error(cli, tmp_path):
+    (tmp_path / "file").touch()
+    ran = cli("bench", "smoke", "--out", tmp_path / "file" / "out")
+    assert ran.code == 2
+    assert "cannot make the folder" in ran.err
+
+
+def test_the_help_names_every_suite(cli):
+    ran = cli("bench", "--help")
+    assert all(name in ran.out for name in SUITES)
