@@ -185,7 +185,7 @@ def _alarms(scheme: str, trial: str, size: str, rows: list[Row]) -> Alarms:
         found=found,
         rate=rate(found, len(read)),
         limit=upper_limit(found, len(read)),
-        ber=_mean(read, "ber"),
+        ber=mean([row.ber for row in read if row.ber is not None]),  # each trial has a key of its own
         least=min(bounds, default=None),
     )
 

@@ -48,9 +48,8 @@ def calibration_plot(rows: Sequence[Row]) -> Plot | None:
         f"{entry.words}: {percent(share_at_or_below(sample, -1.0))} at or below 0.1"
         for entry, sample in zip(entries, samples, strict=True)
     )
-    panel = draw(
-        "calibration", f"Share of trials with a bound of p or less against p. {said}", paint, height=2.9
-    )
+    alt = f"Share of trials with a bound of p or less against p. {said}"
+    panel = draw("calibration", alt, paint, height=2.9, words=["10^-1 sec"])
     return Plot("Are the claimed false-positive rates true?", _CAPTION, (panel,), tuple(entries))
 
 

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from math import asinh
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from meshmark.attacks.table import ATTACKS
 from meshmark.benchmark.aggregate import Robustness
 from meshmark.benchmark.drawing import COLOURS, DASHES, MARKERS, SOFT, draw
@@ -40,7 +42,8 @@ def curve_plot(name: str, title: str, caption: str, series: Sequence[Series], fi
     """
     panels = []
     for kind in _kinds(series):
-        panels.append(_curves(f"{name}-{kind.replace('_', '-')}", kind, series, field))
+        panel = _curves(f"{name}-{kind.replace('_', '-')}", kind, series, field)
+        panels += [] if panel is None else [panel]
     if not panels:
         return None
     return Plot(title, caption, tuple(panels), tuple(one.entry for one in series))
@@ -65,10 +68,12 @@ def _kinds(series: Sequence[Series]) -> list[str]:
     return [kind for kind, attacks in strengths.items() if len(attacks) > 1]
 
 
-def _curves(name: str, kind: str, series: Sequence[Series], field: str) -> Panel:
+def _curves(name: str, kind: str, series: Sequence[Series], field: str) -> Panel | None:
     words, top = _MEASURES[field]
     lines = [(one.entry, _points(kind, one, field)) for one in series]
     strengths = sorted({x for _, points in lines for x, _ in points})
+    if not strengths:
+        return None
     place = _scale(kind, strengths)
 
     def paint(axes: Axes) -> None:
@@ -162,12 +167,14 @@ def _dots(name: str, attacks: Sequence[str], series: Sequence[Series], field: st
     words, _ = _MEASURES[field]
     step = min(0.25, 0.7 / len(series))
     lines = [(one.entry, {f.attack: getattr(f, field) for f in one.figures}) for one in series]
-    names = [_short(label(attack)) for attack in attacks]
+    names = [label(attack).replace(" + ", " +\n") for attack in attacks]
+    lines_of = np.array([1 + 0.6 * name.count("\n") for name in names])
+    rows = np.cumsum(lines_of) - lines_of / 2
 
     def paint(axes: Axes) -> None:
         for i, (entry, values) in enumerate(lines):
             colour, shift = COLOURS[entry.colour], step * (i - (len(lines) - 1) / 2)
-            known = [(row + shift, value) for row, a in enumerate(attacks) if (value := values.get(a))]
+            known = [(y + shift, v) for y, a in zip(rows, attacks, strict=True) if (v := values.get(a))]
             axes.hlines(
                 [y for y, _ in known], [v.low for _, v in known], [v.high for _, v in known], colour, lw=1
             )
@@ -179,8 +186,8 @@ def _dots(name: str, attacks: Sequence[str], series: Sequence[Series], field: st
                 ms=4,
                 clip_on=False,
             )
-        axes.set_yticks(range(len(attacks)), names)
-        axes.set_ylim(len(attacks) - 0.5, -0.5)
+        axes.set_yticks(rows, names)
+        axes.set_ylim(lines_of.sum(), 0.0)
         axes.set_xlim(0.0, 1.0)
         axes.set_xticks([0.0, 0.5, 1.0], ["0 %", "50 %", "100 %"])
         axes.set_title(words)
@@ -190,15 +197,9 @@ def _dots(name: str, attacks: Sequence[str], series: Sequence[Series], field: st
         + ", ".join(f"{label(a)} {percent(v.value)}" for a in attacks if (v := values.get(a)))
         for entry, values in lines
     )
-    rows = len(attacks) * max(1.0, 0.45 * len(series))
-    height = 0.75 + 0.2 * rows
+    height = 0.75 + 0.2 * float(lines_of.sum()) * max(1.0, 0.45 * len(series))
     return draw(name, f"{words} under single attacks: {said}", paint, height=height, words=names)
 
 
 def _said(kind: str, points: Sequence[tuple[float, Estimate]]) -> str:
     return ", ".join(f"{strength_label(kind, x) or f'{x:g}'}: {percent(y.value)}" for x, y in points)
-
-
-def _short(text: str) -> str:
-    """Return a text in lines of about twenty letters."""
-    return text.replace(" + ", " +\n")

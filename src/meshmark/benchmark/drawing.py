@@ -70,7 +70,7 @@ _STYLE: dict[Any, Any] = {
     "svg.fonttype": "none",
 }
 # Inches. Pages show a panel about as wide as it is, so that its text keeps a readable size.
-_WIDTH, _LETTER, _RIGHT, _BELOW, _ABOVE = 3.7, 0.062, 0.12, 0.44, 0.27
+_WIDTH, _LETTER, _RIGHT, _BELOW, _ABOVE = 3.7, 0.062, 0.2, 0.44, 0.27
 
 
 def has_matplotlib() -> bool:
@@ -131,7 +131,7 @@ def _svg(name: str, fill: Callable[[Figure], None], height: float) -> str:
         canvas = FigureCanvasSVG(figure)
         fill(figure)
         # `savefig` would lay everything out twice; positions are fixed here.
-        canvas.print_svg(target, metadata={"Date": None})
+        canvas.print_svg(target, metadata={"Date": None})  # type: ignore[no-untyped-call]
     return _themed(target.getvalue(), name)
 
 

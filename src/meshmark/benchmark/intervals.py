@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -96,9 +97,16 @@ def _limits_of_rate(hits: int, trials: int, tail: float) -> tuple[float, float]:
 
 
 def _limits_of_mean(z: FloatArray) -> tuple[float, float]:
-    weights = np.random.default_rng(_SEED).standard_exponential((_DRAWS, len(z) + 1))
-    total = weights.sum(axis=1)
+    weights = _weights(len(z))
     seen = weights[:, 1:] @ z
-    low = np.quantile(seen / total, _TAIL)  # the value not seen at 0
-    high = np.quantile((seen + weights[:, 0]) / total, 1.0 - _TAIL)  # and at 1
+    low = np.quantile(seen, _TAIL)  # the value not seen at 0
+    high = np.quantile(seen + weights[:, 0], 1.0 - _TAIL)  # and at 1
     return float(low), float(high)
+
+
+@lru_cache(maxsize=64)
+def _weights(count: int) -> FloatArray:
+    """Return (draws, count + 1) weights of sum 1, uniform among those: Dirichlet(1, ..., 1)."""
+    weights = np.random.default_rng(_SEED).standard_exponential((_DRAWS, count + 1))
+    shares: FloatArray = weights / weights.sum(axis=1, keepdims=True)
+    return shares

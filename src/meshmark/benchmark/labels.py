@@ -20,6 +20,7 @@ _WORDS = {
     "sqrt3": "√3 subdivision",
     "float32": "single precision",
     "copy": "copy attack",
+    "voxels": "voxel round trip",
 }
 _LAST = len(ATTACKS)
 
@@ -60,7 +61,7 @@ def strength_label(name: str, strength: float) -> str:
     if unit.startswith("models"):
         return f"of {strength:g} copies"
     if unit.startswith("voxels"):
-        return f"{strength:g} voxels"
+        return f"{strength:g}³"
     if attack is not None and max(attack.strengths) < 1.0:
         return f"{100 * strength:.6g} %"
     return f"{strength:g}"

@@ -16,7 +16,7 @@ from meshmark.benchmark.aggregate import (
 )
 from meshmark.benchmark.distortion import distortions
 from meshmark.benchmark.facts import Facts
-from meshmark.benchmark.intervals import Estimate, rate_by_model
+from meshmark.benchmark.intervals import Estimate, rate_by_model, upper_limit
 from meshmark.benchmark.labels import NOTHING as UNTOUCHED
 from meshmark.benchmark.labels import label
 from meshmark.benchmark.layout import Cell, Section, Table, estimate, number, percent
@@ -84,7 +84,8 @@ def _false_alarms(figures: Sequence[Alarms]) -> list[str]:
         if trials:
             times = "never" if not found else "once" if found == 1 else f"{found:,} times"
             sentences.append(
-                f"{scheme} found a mark {times} in {_counted(trials, 'trial')} in which there was none to find."
+                f"In {_counted(trials, 'trial')} with nothing to find, {scheme} found a mark {times}: the true "
+                f"rate is at most {percent(upper_limit(found, trials))} with 95 % confidence."
             )
     return sentences
 

@@ -12,6 +12,8 @@ from meshmark.benchmark.layout import Cell, Entry, Plot, Section, Table
 
 __all__ = ["page"]
 
+_LONG = 30  # letters in one line
+
 
 def page(title: str, sections: Sequence[Section], facts: Facts) -> str:
     """Return the page; every text in it is escaped."""
@@ -49,33 +51,39 @@ def _section(section: Section, command: str) -> str:
 
 
 def _table(table: Table, command: str) -> str:
-    head = "".join(f'<th scope="col">{escape(name)}</th>' for name in table.columns)
-    rows = "\n".join(_row(row) for row in table.rows)
+    kinds = [_kind([row[i].text for row in table.rows]) for i in range(len(table.columns))]
+    head = "".join(
+        f'<th scope="col"{k}>{escape(name)}</th>' for k, name in zip(kinds, table.columns, strict=True)
+    )
+    rows = "\n".join(_row(row, kinds) for row in table.rows)
     note = f"<p>{escape(table.note)}</p>" if table.note else ""
-    text = "" if any(_is_number(row[-1].text) for row in table.rows) else " class=words"
     inside = (
-        f'<div class="scroll" tabindex="0" role="region" aria-label="{escape(table.title)}"><table{text}>'
+        f'<div class="scroll" tabindex="0" role="region" aria-label="{escape(table.title)}"><table>'
         f"<thead><tr>{head}</tr></thead><tbody>\n{rows}</tbody></table></div>{note}{_made(command)}"
     )
     return _block(table.title, inside, table.folded)
 
 
-def _row(cells: Sequence[Cell]) -> str:
-    first, *others = cells
-    return f'<tr><th scope="row">{_content(first)}</th>{"".join(_cell(cell) for cell in others)}</tr>'
+def _kind(texts: Sequence[str]) -> str:
+    """Return the attribute of a column: words stand left, long ones in several lines; figures stand right."""
+    if all(text[:1].isdigit() or text[:1] in "–−∞" for text in texts):
+        return ""
+    return ' class="text"' if max(map(len, texts)) > _LONG else ' class="word"'
 
 
-def _cell(cell: Cell) -> str:
-    heat = "" if cell.heat is None else f' class="heat" style="--good:{100 * cell.heat:.0f}%"'
-    return f"<td{heat}>{_content(cell)}</td>"
+def _row(cells: Sequence[Cell], kinds: Sequence[str]) -> str:
+    others = "".join(_cell(cell, kind) for cell, kind in zip(cells[1:], kinds[1:], strict=True))
+    return f'<tr><th scope="row">{_content(cells[0])}</th>{others}</tr>'
+
+
+def _cell(cell: Cell, kind: str) -> str:
+    if cell.heat is not None:
+        kind = f' class="heat" style="--good:{100 * cell.heat:.0f}%"'
+    return f"<td{kind}>{_content(cell)}</td>"
 
 
 def _content(cell: Cell) -> str:
     return escape(cell.text) + (f"<small>{escape(cell.small)}</small>" if cell.small else "")
-
-
-def _is_number(text: str) -> bool:
-    return text[:1].isdigit() or text[:1] in "–−∞"
 
 
 def _plot(plot: Plot, command: str) -> str:

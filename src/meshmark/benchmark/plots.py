@@ -39,7 +39,7 @@ def _robust(figures: Sequence[Robustness], sizes: Sequence[str]) -> list[Plot]:
         mine = [f for f in figures if (f.scheme, f.budget) == (scheme, budget)]
         by_size = _by_size(mine, sizes)
         if len(by_size) > 1:
-            for field, words in (("ber", "bit errors"), ("recovered", "id exact"), ("present", "mark found")):
+            for field, words in (("ber", "bit errors"), ("recovered", "id exact")):
                 title = f"{scheme}, {budget}: {words} by size of the model"
                 plot = curve_plot(f"{field}-by-size-{number}", title, _SIZES, by_size, field)
                 found += [] if plot is None else [_folded(plot)]

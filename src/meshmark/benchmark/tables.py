@@ -61,7 +61,11 @@ def _attack_row(item: Robustness) -> tuple[Cell, ...]:
         estimate(item.recovered),
         estimate(item.ber, good="low"),
         estimate(item.raw_ber, good=""),
-        Cell(NOTHING if item.correlation is None else f"{item.correlation:.2f}".replace("-", "−")),
+        Cell(
+            NOTHING
+            if item.correlation is None
+            else f"{round(item.correlation, 2) + 0.0:.2f}".replace("-", "−")
+        ),
         _count(item.refused),
         _count(item.broken),
     )
