@@ -67,7 +67,7 @@ def test_plots_and_tables_can_be_read_by_a_screen_reader(report):
 
 
 def test_every_table_and_plot_names_its_command(report):
-    blocks = report.count('<div class="block">') + report.count("<details>")
+    blocks = report.count('<div class="block">') + report.count("<details>")  # a group of them has a class
     assert report.count('<p class="made">') == blocks
     assert report.count(FACTS.command) >= blocks
 

@@ -25,6 +25,8 @@ from meshmark.benchmark.speed import speeds
 
 __all__ = ["overview"]
 
+_FEW = 2  # more than so many results are compared in one sentence
+
 
 def overview(rows: Sequence[Row], facts: Facts, *, pictures: bool = True) -> Section:
     """Return the summary; it also holds for no rows at all."""
@@ -54,40 +56,64 @@ def _measured(chosen: Sequence[Row], rows: Sequence[Row], facts: Facts, split: s
 
 
 def _results(figures: Sequence[Robustness]) -> list[str]:
-    """Return a sentence for each scheme and budget: untouched, all attacks, the worst attack."""
+    """Return a sentence for each scheme and budget, or for many of them one that compares all at a budget."""
+    by_mark = _by_mark(figures)
+    if len(by_mark) <= _FEW:
+        return [text for (scheme, budget), part in by_mark.items() if (text := _result(scheme, budget, part))]
     sentences = []
-    for (scheme, budget), part in _by_mark(figures).items():
-        attacked = [item for item in part if item.attack != UNTOUCHED]
-        clean = [item for item in part if item.attack == UNTOUCHED]
-        said = [f"from {_with_interval(clean[0].recovered)} of the untouched models"] if clean else []
-        if attacked:
-            share = sum(i.recovered.value * i.trials for i in attacked) / sum(i.trials for i in attacked)
-            said.append(f"after {percent(share)} of the attacks")
-        if not said:
-            continue
-        text = f"{scheme} at {budget} strength gives the exact id back {' and '.join(said)}"
-        worst = min(attacked, key=lambda item: item.recovered.value, default=None)
-        if worst is not None:
-            spared = all(item.recovered.value == worst.recovered.value for item in attacked)
-            hardest = f"; hardest is {label(worst.attack)} ({percent(worst.recovered.value)})"
-            text += "" if spared else hardest
-        sentences.append(text + ".")
+    for budget in dict.fromkeys(budget for _, budget in by_mark):
+        shares = {scheme: _share(part) for (scheme, own), part in by_mark.items() if own == budget}
+        known = {scheme: share for scheme, share in shares.items() if share is not None}
+        ranked = sorted(known, key=lambda scheme: -known[scheme])
+        said = _listed([f"{scheme} {percent(known[scheme])}" for scheme in ranked])
+        if known:
+            sentences.append(f"Exact ids after an attack, at {budget} strength: {said}.")
     return sentences
+
+
+def _result(scheme: str, budget: str, part: Sequence[Robustness]) -> str:
+    """Return a sentence on the untouched models, all attacks and the worst one; "" for nothing to tell."""
+    attacked = [item for item in part if item.attack != UNTOUCHED]
+    clean = [item for item in part if item.attack == UNTOUCHED]
+    said = [f"from {_with_interval(clean[0].recovered)} of the untouched models"] if clean else []
+    if attacked:
+        said.append(f"after {percent(_share(part))} of the attacks")
+    if not said:
+        return ""
+    text = f"{scheme} at {budget} strength gives the exact id back {' and '.join(said)}"
+    rates = [item.recovered.value for item in attacked]
+    if len(set(rates)) > 1:
+        worst = attacked[rates.index(min(rates))]
+        text += f"; hardest is {label(worst.attack)} ({percent(worst.recovered.value)})"
+    return text + "."
+
+
+def _share(part: Sequence[Robustness]) -> float | None:
+    """Return the share of attacked trials with an exact id; None without an attack."""
+    attacked = [item for item in part if item.attack != UNTOUCHED]
+    trials = sum(item.trials for item in attacked)
+    return sum(item.recovered.value * item.trials for item in attacked) / trials if trials else None
 
 
 def _false_alarms(figures: Sequence[Alarms]) -> list[str]:
-    sentences = []
-    schemes = sorted({item.scheme for item in figures})
-    for scheme in schemes:
+    counts = {}
+    for scheme in sorted({item.scheme for item in figures}):
         part = [a for a in figures if (a.scheme, a.size_class) == (scheme, ALL) and a.trial != "forged"]
-        trials, found = sum(a.trials for a in part), sum(a.found for a in part)
-        if trials:
-            times = "never" if not found else "once" if found == 1 else f"{found:,} times"
-            sentences.append(
-                f"In {_counted(trials, 'trial')} with nothing to find, {scheme} found a mark {times}: the true "
-                f"rate is at most {percent(upper_limit(found, trials))} with 95 % confidence."
-            )
-    return sentences
+        counts[scheme] = (sum(a.found for a in part), sum(a.trials for a in part))
+    counts = {scheme: (found, trials) for scheme, (found, trials) in counts.items() if trials}
+    if len(counts) > _FEW:
+        said = _listed([f"{scheme} {found:,} in {trials:,}" for scheme, (found, trials) in counts.items()])
+        return [f"Marks found in trials with nothing to find: {said}."]
+    return [_false_alarm(scheme, found, trials) for scheme, (found, trials) in counts.items()]
+
+
+def _false_alarm(scheme: str, found: int, trials: int) -> str:
+    what = {0: "never found a mark", 1: "found a mark once"}.get(found, f"found a mark {found:,} times")
+    limit = percent(upper_limit(found, trials), 2)
+    return (
+        f"In {_counted(trials, 'trial')} with nothing to find, {scheme} {what}: it happens in at most {limit}, "
+        "with 95 % confidence."
+    )
 
 
 def _glance(chosen: Sequence[Row], figures: Sequence[Robustness], found: Sequence[Alarms]) -> Table:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from html import escape
 from importlib import resources
+from itertools import groupby
 
 from meshmark.benchmark.drawing import COLOURS
 from meshmark.benchmark.facts import Facts
@@ -13,6 +14,7 @@ from meshmark.benchmark.layout import Cell, Entry, Plot, Section, Table
 __all__ = ["page"]
 
 _LONG = 30  # letters in one line
+_MANY = 6  # folded parts that stand openly in a row
 
 
 def page(title: str, sections: Sequence[Section], facts: Facts) -> str:
@@ -43,11 +45,16 @@ def _origin(facts: Facts) -> str:
 
 def _section(section: Section, command: str) -> str:
     kind = ' class="lead"' if section.name == "summary" else ""
-    words = "".join(f"<p>{escape(text)}</p>" for text in section.words)
-    parts = "".join(
-        _table(part, command) if isinstance(part, Table) else _plot(part, command) for part in section.parts
-    )
+    words = "".join(f"<p>{_prose(text)}</p>" for text in section.words)
+    parts = ""
+    for folded, run in groupby(section.parts, key=lambda part: part.folded):
+        shown = [_table(part, command) if isinstance(part, Table) else _plot(part, command) for part in run]
+        parts += _group(shown) if folded and len(shown) > _MANY else "".join(shown)
     return f'\n<section id="{section.name}"{kind}><h2>{escape(section.title)}</h2>{words}{parts}</section>'
+
+
+def _group(shown: Sequence[str]) -> str:
+    return f'\n<details class="group"><summary>{len(shown)} more</summary>{"".join(shown)}</details>'
 
 
 def _table(table: Table, command: str) -> str:
@@ -56,7 +63,7 @@ def _table(table: Table, command: str) -> str:
         f'<th scope="col"{k}>{escape(name)}</th>' for k, name in zip(kinds, table.columns, strict=True)
     )
     rows = "\n".join(_row(row, kinds) for row in table.rows)
-    note = f"<p>{escape(table.note)}</p>" if table.note else ""
+    note = f"<p>{_prose(table.note)}</p>" if table.note else ""
     inside = (
         f'<div class="scroll" tabindex="0" role="region" aria-label="{escape(table.title)}"><table>'
         f"<thead><tr>{head}</tr></thead><tbody>\n{rows}</tbody></table></div>{note}{_made(command)}"
@@ -93,7 +100,7 @@ def _plot(plot: Plot, command: str) -> str:
         panel.svg.replace("<svg ", f'<svg class="panel" aria-label="{escape(panel.alt)}" ', 1)
         for panel in plot.panels
     )
-    caption = f"<figcaption>{escape(plot.caption)}{_made(command)}</figcaption>"
+    caption = f"<figcaption>{_prose(plot.caption)}{_made(command)}</figcaption>"
     kind = "panels" if len(plot.panels) > 1 else "panels one"
     return _block(
         plot.title, f'<figure>{legend}<div class="{kind}">{panels}</div>{caption}</figure>', plot.folded
@@ -112,6 +119,11 @@ def _block(title: str, inside: str, folded: bool) -> str:
     if folded:
         return f'\n<details><summary>{escape(title)}</summary><div class="fold">{inside}</div></details>'
     return f'\n<div class="block"><h3>{escape(title)}</h3>{inside}</div>'
+
+
+def _prose(text: str) -> str:
+    """Return escaped text in which no line begins with a unit."""
+    return escape(text).replace(" %", "&nbsp;%")
 
 
 def _made(command: str) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from meshmark.benchmark.aggregate import ALL, Robustness, main_split, robustness, size_classes
 from meshmark.benchmark.calibration import calibration_plot
@@ -28,12 +29,16 @@ def plots(rows: Sequence[Row]) -> dict[str, list[Plot]]:
 
 def _robust(figures: Sequence[Robustness], sizes: Sequence[str]) -> list[Plot]:
     by_mark = _by_mark([figure for figure in figures if figure.size_class == ALL])
-    found = _some(
-        curve_plot("ber", "Bit errors against strength", _BER, by_mark, "ber"),
-        curve_plot("exact", "Id exact against strength", _RATE, by_mark, "recovered"),
-        curve_plot("found", "Mark found against strength", _FOUND, by_mark, "present"),
-        dot_plot("single", "Attacks of one strength, and chains", _DOTS, by_mark, "recovered"),
-    )
+    found = []
+    for name, title, series in _together(by_mark):
+        found += _some(
+            curve_plot(f"ber{name}", f"Bit errors against strength{title}", _BER, series, "ber"),
+            curve_plot(f"exact{name}", f"Id exact against strength{title}", _RATE, series, "recovered"),
+            curve_plot(f"found{name}", f"Mark found against strength{title}", _FOUND, series, "present"),
+            dot_plot(
+                f"single{name}", f"Attacks of one strength, and chains{title}", _DOTS, series, "recovered"
+            ),
+        )
     for number, one in enumerate(by_mark, 1):
         scheme, budget = one.figures[0].scheme, one.figures[0].budget
         mine = [f for f in figures if (f.scheme, f.budget) == (scheme, budget)]
@@ -42,8 +47,19 @@ def _robust(figures: Sequence[Robustness], sizes: Sequence[str]) -> list[Plot]:
             for field, words in (("ber", "bit errors"), ("recovered", "id exact")):
                 title = f"{scheme}, {budget}: {words} by size of the model"
                 plot = curve_plot(f"{field}-by-size-{number}", title, _SIZES, by_size, field)
-                found += [] if plot is None else [_folded(plot)]
+                found += [] if plot is None else [replace(plot, folded=True)]
     return found
+
+
+def _together(by_mark: Sequence[Series]) -> list[tuple[str, str, list[Series]]]:
+    """Return (end of names, end of titles, series) of what shares panels: with several schemes, one budget."""
+    budgets = list(dict.fromkeys(one.figures[0].budget for one in by_mark))
+    if len(by_mark) == len(budgets) or len(budgets) == 1:
+        return [("", "", list(by_mark))] if by_mark else []
+    return [
+        (f"-{budget}", f", {budget}", [one for one in by_mark if one.figures[0].budget == budget])
+        for budget in budgets
+    ]
 
 
 def _by_mark(figures: Sequence[Robustness]) -> list[Series]:
@@ -66,10 +82,6 @@ def _by_size(figures: Sequence[Robustness], sizes: Sequence[str]) -> list[Series
             models = max(figure.models for figure in chosen)
             series.append(Series(Entry(f"{size} points (n = {models})", i % len(COLOURS)), chosen))
     return series
-
-
-def _folded(plot: Plot) -> Plot:
-    return Plot(plot.title, plot.caption, plot.panels, plot.legend, folded=True)
 
 
 def _some(*plots: Plot | None) -> list[Plot]:

@@ -30,7 +30,7 @@ def sections(rows: Sequence[Row], facts: Facts, plots: Mapping[str, Sequence[Plo
     figures = robustness(rows)
     split, sizes = main_split(rows), size_classes(rows)
     others = [name for name in ("train", ALL) if split == "test" and any(f.split == name for f in figures)]
-    found = alarms(rows)
+    compared, found = scheme_tables(figures, split), alarms(rows)
     changes, times = distortions(rows), speeds(rows)
     trouble = trouble_table(rows)
     parts = [
@@ -40,10 +40,11 @@ def sections(rows: Sequence[Row], facts: Facts, plots: Mapping[str, Sequence[Plo
             "What survives which attack",
             _READING,
             (
-                *scheme_tables(figures, split),
+                *(table for table in compared if not table.folded),
                 *plots.get("attacks", ()),
                 *attack_tables(figures, split),
                 *size_tables(figures, split, sizes),
+                *(table for table in compared if table.folded),
                 *(_renamed(table, name) for name in others for table in attack_tables(figures, name)),
             )
             if figures

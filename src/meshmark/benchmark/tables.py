@@ -96,9 +96,7 @@ def scheme_tables(figures: Sequence[Robustness], split: str) -> list[Table]:
         return []
     tables = []
     chosen = [item for item in figures if item.split == split]
-    for (budget, size), part in sorted(
-        groups_of(chosen, lambda item: (item.budget, item.size_class)).items()
-    ):
+    for (budget, size), part in groups_of(chosen, lambda item: (item.budget, item.size_class)).items():
         at = {(item.attack, item.scheme): item for item in part}
         for title, cell in _BY_SIZE.items():
             rows = tuple(
@@ -223,14 +221,14 @@ def _by_mark(
 
 def _rate_cell(value: Estimate | None, item: Robustness) -> Cell:
     cell = estimate(value)
-    return Cell(cell.text, f"n = {item.models}" if value else "", cell.heat)
+    return Cell(cell.text, f"{cell.small}, n {item.models}" if value else "", cell.heat)
 
 
 def _ber_cell(item: Robustness | None) -> Cell:
     if item is None or item.ber is None:
         return Cell(NOTHING)
     cell = estimate(item.ber, good="low")
-    return Cell(cell.text, f"n = {item.ber.count}", cell.heat)
+    return Cell(cell.text, f"{cell.small}, n {item.ber.count}", cell.heat)
 
 
 _BY_SIZE: dict[str, Callable[[Robustness | None], Cell]] = {
