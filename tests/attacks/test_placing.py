@@ -62,10 +62,8 @@ def test_affine_stretches_by_what_it_says_and_does_not_turn(strength):
     for seed in range(5):
         after = ATTACKS["affine"](MODEL, strength, np.random.default_rng(seed))
         matrix, _ = linear_part(after)
-        np.testing.assert_allclose(matrix, matrix.T, atol=1e-12)
-        np.testing.assert_allclose(
-            np.linalg.eigvalsh(matrix), [1 - strength, 1, 1 + strength], rtol=1e-9, atol=1e-12
-        )
+        np.testing.assert_allclose(matrix, np.diag(np.diag(matrix)), atol=1e-12)
+        np.testing.assert_allclose(np.sort(np.diag(matrix)), [1 - strength, 1, 1 + strength], rtol=1e-9)
         np.testing.assert_allclose(after.vertices.mean(axis=0), MODEL.vertices.mean(axis=0), atol=1e-12)
         assert volume(after) == pytest.approx(volume(MODEL) * (1 - strength**2))
 

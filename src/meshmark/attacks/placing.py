@@ -27,14 +27,13 @@ def similarity(mesh: Mesh, strength: float, rng: np.random.Generator, _given: Gi
 
 
 def affine(mesh: Mesh, strength: float, rng: np.random.Generator, _given: Given) -> Attacked:
-    """Stretch the model about its centroid by 1 + s, 1 and 1 - s along three seeded directions; strength is s.
+    """Stretch the model about its centroid by 1 + s, 1 and 1 - s along its coordinate axes, in a seeded order.
 
-    The directions are at right angles, uniform over all such triples.
+    Strength is s. An editor stretches along the axes of the file.
     """
-    axes = _any_rotation(rng).as_matrix()
-    stretch = (axes * [1.0 + strength, 1.0, 1.0 - strength]) @ axes.T
+    stretch = rng.permutation([1.0 + strength, 1.0, 1.0 - strength])
     middle = centroid(mesh)
-    return moved(mesh, (mesh.vertices - middle) @ stretch + middle)
+    return moved(mesh, (mesh.vertices - middle) * stretch + middle)
 
 
 def mirror(mesh: Mesh, _strength: float, _rng: np.random.Generator, _given: Given) -> Attacked:

@@ -7,7 +7,7 @@ ownership layer measures is measured in this frame, which makes it invariant to 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from itertools import permutations
 
 import numpy as np
@@ -20,6 +20,8 @@ __all__ = ["Frame", "canonical_frame", "frame_alternatives", "surface_moments"]
 
 # Axes whose second moments differ by less than this share of their sum may change places under an attack.
 SWAP_GAP = 0.04
+# Second moments along an axis count as at least this share of their sum, for a flat model's skewness.
+FLAT = 1e-6
 # Models below this size, or above its inverse, are refused.
 SMALLEST = 1e-100
 
@@ -33,6 +35,8 @@ class Frame:
     axes:    (3, 3) columns are the axes, a rotation.
     moments: (3,) second moments along the axes, falling, sum 1.
     area:    surface area over scale squared.
+    skewness: (3,) third moment along each axis over its second to the power 3/2; where it is small, an attack may
+             turn the axis round.
     """
 
     centre: FloatArray
@@ -40,6 +44,7 @@ class Frame:
     axes: FloatArray
     moments: FloatArray
     area: float
+    skewness: FloatArray = field(default_factory=lambda: np.zeros(3))
 
     def to_canonical(self, points: FloatArray) -> FloatArray:
         """Scene coordinates (p, 3) -> canonical coordinates (p, 3)."""
@@ -114,14 +119,21 @@ def canonical_frame(points: FloatArray, faces: IntArray) -> Frame:
     if np.linalg.det(axes) < 0.0:
         axes[:, np.argmin(np.abs(third))] *= -1.0
     axes = np.ascontiguousarray(axes)
-    return Frame(middle + size * centre, size * scale, axes, values / values.sum(), area / scale**2)
+    moments = values / values.sum()
+    # `_third_moments` leaves out a factor of 10.
+    skewness = np.abs(third) / (10.0 * area / scale**2) / np.maximum(moments, FLAT) ** 1.5
+    return Frame(middle + size * centre, size * scale, axes, moments, area / scale**2, skewness)
 
 
-def frame_alternatives(frame: Frame, exchange: bool = False) -> Iterator[Frame]:
+def frame_alternatives(frame: Frame, exchange: bool = False, surely_skew: float = np.inf) -> Iterator[Frame]:
     """Yield `frame`, then the other turns it may have been mistaken for, likeliest first.
 
-    The four proper sign patterns; with `exchange` also those with axes of nearly equal moments exchanged.
+    The four proper sign patterns, without those that turn round an axis more skew than `surely_skew`; with
+    `exchange` also those with axes of nearly equal moments exchanged.
     """
+    # The sign of the least skew axis follows from the other two.
+    sure = frame.skewness > surely_skew
+    sure[np.argmin(frame.skewness)] = False
     for order in permutations(range(3)):
         moments = frame.moments[list(order)]
         if order != (0, 1, 2) and (not exchange or (np.diff(moments) > SWAP_GAP).any()):
@@ -130,5 +142,8 @@ def frame_alternatives(frame: Frame, exchange: bool = False) -> Iterator[Frame]:
         if np.linalg.det(axes) < 0.0:
             axes = axes * np.array([1.0, 1.0, -1.0])
         for signs in ((1, 1, 1), (-1, -1, 1), (-1, 1, -1), (1, -1, -1)):
+            flipped = np.array(signs) < 0
+            if order == (0, 1, 2) and (flipped & sure).any():
+                continue
             turned = np.ascontiguousarray(axes * np.array(signs, dtype=float))
-            yield Frame(frame.centre, frame.scale, turned, frame.moments, frame.area)
+            yield replace(frame, axes=turned)

@@ -8,9 +8,11 @@ paper's T(n, alpha) = e^-alpha I_n(alpha) (eq. 4-5; DESIGN section 2).
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from typing import Literal
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebfit, chebpts1
 from numpy.typing import ArrayLike
 from scipy.linalg.blas import daxpy
 from scipy.sparse import csr_array, diags_array
@@ -23,11 +25,19 @@ try:  # what scipy itself multiplies with; called directly it adds onto an array
 except ImportError:  # it is private and may move
     csr_matvecs = None  # type: ignore[assignment]
 
-__all__ = ["WalkWeights", "discrete_gaussian", "discrete_gaussian_sum", "random_walk", "terms"]
+__all__ = [
+    "WalkWeights",
+    "discrete_gaussian",
+    "discrete_gaussian_sum",
+    "random_walk",
+    "spectral_filters",
+    "terms",
+]
 
 WalkWeights = Literal["uniform", "inverse_length"]
 
 TOLERANCE = 1e-12
+FILTER_TERMS = 40
 BLOCK = 9_000
 """Numbers that BLAS gets at a time: too few for it to wake its threads, which cost more than they give here."""
 
@@ -67,6 +77,22 @@ def discrete_gaussian_sum(
     """Return (n, k): the sum of `discrete_gaussian` over the scales, for the cost of the largest one."""
     total = _coefficients(alphas, tolerance).sum(axis=0, keepdims=True)
     return _chebyshev_sums(walk, values, total).reshape(np.shape(values))
+
+
+def spectral_filters(
+    walk: csr_array,
+    values: FloatArray,
+    responses: Sequence[Callable[[FloatArray], FloatArray]],
+    count: int = FILTER_TERMS,
+) -> FloatArray:
+    """Return (j, n, k): `values` (n, k) with each frequency x of the mesh multiplied by `response(x)`, j responses.
+
+    A frequency is an eigenvalue of I - walk, in [0, 2]: 0 where neighbours agree. `discrete_gaussian` is the
+    response exp(-alpha x). Smooth responses need few terms; one recurrence serves all.
+    """
+    nodes = chebpts1(count)
+    samples = np.array([response(1.0 - nodes) for response in responses])
+    return _chebyshev_sums(walk, values, chebfit(nodes, samples.T, count - 1).T)
 
 
 def terms(alphas: ArrayLike, tolerance: float = TOLERANCE) -> int:

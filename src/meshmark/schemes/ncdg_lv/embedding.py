@@ -125,9 +125,11 @@ def _largest_step(
         rms = _rms((marked.vertices - mesh.vertices)[_used(mesh)])
         if rms > budget:
             continue
-        found = extract(marked, key, spacings=[shaping.spacing])  # fails sooner than all spacings would
+        found = extract(
+            marked, key, spacings=[shaping.spacing], locking=False
+        )  # fails sooner than all spacings would
         if found.id == identity and not likeliest:
-            found = extract(marked, key)
+            found = extract(marked, key, locking=False)
         if found.id == identity:
             return _Attempt(marked, rms, found)
     return None

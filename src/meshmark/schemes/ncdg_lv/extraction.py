@@ -14,6 +14,7 @@ from meshmark.coding.keys import Key
 from meshmark.errors import InputError
 from meshmark.geometry.weld import weld
 from meshmark.mesh import Mesh
+from meshmark.schemes.ncdg_lv.locking import locked_readings
 from meshmark.schemes.ncdg_lv.parameters import DECODE_LOG10, PRESENT_LOG10
 from meshmark.schemes.ncdg_lv.reading import Reading, readings
 from meshmark.schemes.ncdg_lv.results import Extraction
@@ -40,46 +41,74 @@ class Found:
 
 @on_one_thread
 def extract(
-    mesh: Mesh, key: Key, *, search: str = "quick", spacings: Sequence[float] | None = None
+    mesh: Mesh,
+    key: Key,
+    *,
+    search: str = "quick",
+    spacings: Sequence[float] | None = None,
+    locking: bool = True,
 ) -> Extraction:
     """Read the id from `mesh` with `key` alone.
 
     search: "quick" tries the signs of the frame's axes, "wide" also exchanges axes that are nearly alike
     and reads every spacing instead of the first few.
     spacings: lattice spacings to read; by default all that an embedding may have chosen.
+    locking: also read shapes from before an attack, and correct their frames.
     Raises `InputError` for an unknown search, or where the mesh has no surface.
     """
     start = perf_counter()
     if search not in SEARCHES:
         raise InputError(f"unknown search '{search}', expected one of {', '.join(SEARCHES)}")
-    found = find(mesh, key, search == "wide", spacings)
+    found = find(mesh, key, search == "wide", spacings, locking)
     return _result(found, Codec(key), perf_counter() - start)
 
 
-def find(mesh: Mesh, key: Key, wide: bool = False, spacings: Sequence[float] | None = None) -> Found:
+def find(
+    mesh: Mesh,
+    key: Key,
+    wide: bool = False,
+    spacings: Sequence[float] | None = None,
+    locking: bool = True,
+) -> Found:
     """Return the first reading that decodes, else the one with the best lock.
 
-    Hypotheses are scored by their lock, which does not depend on the message; those that stand out are decoded.
-    The false-positive bound is the chance of the lock times that of the decoded word, times the hypotheses.
+    First the surface is read as it stands; readings whose lock stands out are decoded. Then, with `locking`, every
+    restoration of its shape is read with its frame corrected, and decoded whatever its lock.
+    Neither choice depends on the message. The false-positive bound is the chance of the lock times that of the
+    decoded word, times the hypotheses.
     """
     codec = Codec(key)
+    surface = weld(mesh)
     best: Reading | None = None
-    for reading in readings(weld(mesh), key, codec.n, wide, spacings):
-        if best is None or _lock_bound(reading) < _lock_bound(best):
-            best = reading
-        if reading.log10_chance > DECODE_LOG10:
-            continue
-        decoded = codec.decode(reading.observed(codec.n))
-        bound = _log10_bound(reading.log10_chance + decoded.log10_chance, reading.hypotheses)
-        if decoded.id is not None and bound <= PRESENT_LOG10:
-            return Found(reading, decoded, True, bound)
+    tried = 0
+    for reading in readings(surface, key, codec.n, wide, spacings):
+        tried += 1
+        best = _better(best, reading)
+        if reading.log10_chance <= DECODE_LOG10 and (found := _decoded(codec, reading)):
+            return found
+    for reading in locked_readings(surface, key, codec.n, tried, wide, spacings) if locking else ():
+        best = _better(best, reading)
+        if found := _decoded(codec, reading):
+            return found
     if best is None:
         return Found(None, None, False, 0.0)
     bound = _lock_bound(best)
     return Found(best, None, bound <= PRESENT_LOG10, bound)
 
 
-def _log10_bound(log10_chance: float, hypotheses: int) -> float:
+def _better(one: Reading | None, other: Reading) -> Reading:
+    return other if one is None or _lock_bound(other) < _lock_bound(one) else one
+
+
+def _decoded(codec: Codec, reading: Reading) -> Found | None:
+    decoded = codec.decode(reading.observed(codec.n))
+    bound = _log10_bound(reading.log10_chance + decoded.log10_chance, reading.hypotheses)
+    if decoded.id is None or bound > PRESENT_LOG10:
+        return None
+    return Found(reading, decoded, True, bound)
+
+
+def _log10_bound(log10_chance: float, hypotheses: float) -> float:
     """Bound log10 of the chance that any of the hypotheses is this unlikely.
 
     A product x of two p-values falls below x by chance with x (1 - ln x): the signs of the bits are fair coins

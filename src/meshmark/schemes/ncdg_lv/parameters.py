@@ -20,6 +20,10 @@ __all__ = [
     "EMBED_SELECTION",
     "EXTRACT_SELECTION",
     "HOPELESS_ERROR",
+    "LOCK_CANDIDATES",
+    "LOCK_EXPECTED",
+    "LOCK_RADIUS",
+    "LOCK_STEPS",
     "LONGEST_SAMPLE",
     "LOST_ERROR",
     "MOMENT_GAP",
@@ -31,6 +35,7 @@ __all__ = [
     "SPACING_TRIES",
     "STEPS",
     "STEP_TRIES",
+    "SURELY_SKEW",
     "preferred_spacings",
 ]
 
@@ -86,6 +91,17 @@ DIVERGED: Final = 2.0
 HOPELESS_ERROR: Final = 0.12
 # A cell further than this from its target, in steps, says nothing any more: a larger error is no worse.
 LOST_ERROR: Final = 0.25
+
+# Of the correction of a frame: standard deviation of shift (3), logarithm of scale, turn (3, radians), and how many
+# of these the search reaches out. Restored shapes under the attacks of DESIGN section 10 drift by 0.001 to 0.01.
+LOCK_EXPECTED: Final = np.array([0.005] * 4 + [0.006] * 3)
+LOCK_RADIUS: Final = 3.0
+# Steps that a search tries: those that embeddings of any strength use.
+LOCK_STEPS: Final = STEPS[:16]
+# So many corrections of a reading are decoded.
+LOCK_CANDIDATES: Final = 2
+# An axis more skew than this is not turned round by an attack.
+SURELY_SKEW: Final = 0.03
 
 # "present" needs a false-positive bound below 10^this over everything that was tried.
 PRESENT_LOG10: Final = -6.0

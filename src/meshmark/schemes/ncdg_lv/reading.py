@@ -9,15 +9,11 @@ import numpy as np
 
 from meshmark.carriers.cells import Cells, measure_cells
 from meshmark.carriers.lattice import CellKeys, Lattice
-from meshmark.carriers.quantisation import (
-    bit_phase,
-    lock_score,
-    log10_lock_chance,
-    log_likelihood_ratio,
-)
+from meshmark.carriers.pose import Pose
+from meshmark.carriers.quantisation import bit_phase, lock_score, log10_lock_chance, log_likelihood_ratio
 from meshmark.carriers.selection import select_cells
 from meshmark.coding.keys import Key
-from meshmark.geometry.frame import Frame, canonical_frame, frame_alternatives
+from meshmark.geometry.frame import canonical_frame, frame_alternatives
 from meshmark.geometry.sampling import Samples, plan_samples
 from meshmark.geometry.weld import Welded
 from meshmark.mesh import FloatArray
@@ -31,20 +27,19 @@ from meshmark.schemes.ncdg_lv.parameters import (
     preferred_spacings,
 )
 
-__all__ = ["Reading", "read_cells", "readings"]
+__all__ = ["Reading", "place", "read_cells", "readings"]
 
 
 @dataclass(frozen=True, eq=False)
 class Reading:
-    """The cells under one hypothesis of frame and spacing, at its best quantisation step.
+    """Cells under one hypothesis of frame, spacing and quantisation step.
 
-    frame, spacing, step: the hypothesis, the step in spacings.
-    phase: (n,) radians; score: sum of cos(2 phase); log10_chance: of the score alone, one hypothesis;
-    hypotheses: what this reading's chance is to be multiplied by. The t-th reading is charged (steps) t (t + 1):
-    as the 1 / (t (t + 1)) add up to 1, the bound holds for all readings together, wherever the search stops.
+    step: in spacings. phase: (n,) radians; score: sum of cos(2 phase); log10_chance: of the score alone, one
+    hypothesis; hypotheses: what the chance is to be multiplied by. The t-th reading is charged (hypotheses of its
+    own) t (t + 1): as the 1 / (t (t + 1)) add up to 1, the bound holds for all readings together, wherever the
+    search stops.
     """
 
-    frame: Frame
     spacing: float
     step: float
     cells: Cells
@@ -52,7 +47,16 @@ class Reading:
     phase: FloatArray
     score: float
     log10_chance: float
-    hypotheses: int
+    hypotheses: float
+
+    @classmethod
+    def of(
+        cls, spacing: float, step: float, cells: Cells, keys: CellKeys, phase: FloatArray, hypotheses: float
+    ) -> Reading:
+        """Score these phases."""
+        score = float(lock_score(phase))
+        chance = log10_lock_chance(score, len(phase))
+        return cls(spacing, step, cells, keys, phase, score, chance, hypotheses)
 
     def observed(self, code_length: int) -> FloatArray:
         """Return the log-likelihood ratio (code_length,) of each code bit, 0 where no cell carries it."""
@@ -80,37 +84,36 @@ def readings(
         samples = plan_samples(canonical, surface.faces, LONGEST_SAMPLE * spacing)(canonical)
         fewest = 0
         for other in frame_alternatives(frame, exchange=wide):
-            turn = frame.axes.T @ other.axes
-            cells, keys = read_cells(samples, lattice, turn, code_length)
+            cells = read_cells(samples, lattice, Pose.turned(frame.axes.T @ other.axes))
             fewest = min(fewest or len(cells.nodes), len(cells.nodes))
             if fewest < CARRIER_READABLE:
                 break  # about as many whichever way the lattice lies
             tried += 1
-            yield _at_best_step(other, spacing, cells, keys, len(STEPS) * tried * (tried + 1))
+            yield _at_best_step(spacing, cells, lattice.keys(cells.nodes, code_length), tried * (tried + 1))
         rich += fewest >= CARRIER_PLENTY
         if rich == SPACING_TRIES and not wide:
             return
 
 
-def read_cells(
-    samples: Samples, lattice: Lattice, turn: FloatArray, code_length: int
-) -> tuple[Cells, CellKeys]:
-    """Return the selected cells of canonical samples turned by `turn` (3, 3), and what the key says of them."""
-    axes = turn @ lattice.axes.T
+def read_cells(samples: Samples, lattice: Lattice, pose: Pose) -> Cells:
+    """Return the cells that may carry, of canonical samples brought to `pose`."""
+    cells = place(samples, lattice, pose)
+    return cells.take(select_cells(cells, EXTRACT_SELECTION))
+
+
+def place(samples: Samples, lattice: Lattice, pose: Pose) -> Cells:
+    """Return all cells of canonical samples brought to `pose`."""
+    turn = pose.turn @ lattice.axes.T
+    size = pose.scale / lattice.spacing
+    shift = pose.shift @ lattice.axes.T / lattice.spacing + lattice.shift
+    # A plane patch of one spacing squared has mass 1.
     placed = Samples(
-        samples.positions @ (axes / lattice.spacing) + lattice.shift, samples.vectors @ axes, samples.areas
+        samples.positions @ (turn * size) + shift, samples.vectors @ (turn * size**2), samples.areas * size**2
     )
-    cells = measure_cells(placed)
-    # The flux is in units of area; a plane patch of one spacing squared has mass 1.
-    cells = Cells(cells.nodes, cells.offset, cells.normal, cells.mass / lattice.spacing**2, cells.flatness)
-    cells = cells.take(select_cells(cells, EXTRACT_SELECTION))
-    return cells, lattice.keys(cells.nodes, code_length)
+    return measure_cells(placed)
 
 
-def _at_best_step(frame: Frame, spacing: float, cells: Cells, keys: CellKeys, hypotheses: int) -> Reading:
+def _at_best_step(spacing: float, cells: Cells, keys: CellKeys, charge: int) -> Reading:
     phases = bit_phase(cells.offset, keys.dither, STEPS[:, None])
-    scores = lock_score(phases)
-    best = int(np.argmax(scores))
-    score = float(scores[best])
-    chance = log10_lock_chance(score, len(cells.nodes))
-    return Reading(frame, spacing, float(STEPS[best]), cells, keys, phases[best], score, chance, hypotheses)
+    best = int(np.argmax(lock_score(phases)))
+    return Reading.of(spacing, float(STEPS[best]), cells, keys, phases[best], len(STEPS) * charge)

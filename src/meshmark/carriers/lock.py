@@ -1,0 +1,193 @@
+"""Lattice lock: the correction under which the cells' offsets lie on the quantiser's points.
+
+The score sum_k cos(psi_k + g_k . y) of doubled phases psi does not depend on the message and peaks at the true
+correction y (DESIGN section 4). As exp(i (a + b)) = exp(i a) exp(i b), the scores of all corrections (y1, y2) are
+*one matrix product*, of the waves of all y1 with those of all y2: a million corrections cost a few milliseconds.
+So a grid over a ball in seven or more dimensions is searched whole, with no risk of missing a peak, and only the
+best places are polished.
+
+Corrections are measured in units of what is expected of them (a standard deviation is 1) along the principal
+directions of the phases' response, so that ill-determined directions get few grid points.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import gamma
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshmark.mesh import FloatArray, IntArray
+
+__all__ = ["Lock", "LockSearch"]
+
+# Neighbouring points of the grid differ by so many radians (RMS over cells) in each direction. Half of that in
+# seven directions leaves a score of about 0.6 of the peak's.
+GRID = 1.3
+# Most points of a grid; with more the ball shrinks.
+MOST = 60_000
+ROWS, COLUMNS = 512, 4096
+ROUNDING = 1e-9
+POLISH_STEPS = 8
+# To bound the chance of a maximum that was polished, the ball is thought of as covered by a grid finer by this in
+# each direction, on which the score is within 3 % of its maximum.
+FINER = 4.0
+# Polishing may lead out of the ball, up to so many times its radius.
+SLACK = 1.3
+
+
+@dataclass(frozen=True, eq=False)
+class Lock:
+    """A correction and how well it fits.
+
+    correction: (d,) in the units of the gradient's columns.
+    score: sum of cosines there; tried: how many independent corrections this is the best of, at most.
+    """
+
+    correction: FloatArray
+    score: float
+    tried: float
+
+
+class LockSearch:
+    """The search for corrections of one set of phases.
+
+    psi: (n,) doubled phases in radians; gradient: (n, d) their change per unit of each part of the correction;
+    expected: (d,) standard deviation of each part; radius: of the ball searched, in standard deviations.
+    """
+
+    def __init__(self, psi: FloatArray, gradient: FloatArray, expected: FloatArray, radius: float) -> None:
+        response = gradient * expected
+        _, turn = np.linalg.eigh(response.T @ response)
+        self._psi, self._response, self._back = psi, response @ turn, expected[:, None] * turn
+        self._grid = _plan(self._response, radius)
+
+    @property
+    def tried(self) -> float:
+        """How many independent corrections the best of this search is the best of, at most."""
+        return float(self._grid.size * (FINER * SLACK) ** self._response.shape[1])
+
+    def rough(self, keep: int) -> list[Lock]:
+        """Return the best grid points, best first, one at most of each row of the grid.
+
+        A correction far from 0 is expected less: its score must be better by the square of its distance.
+        """
+        return [self._lock(place) for place in _best_places(self._grid, self._psi, keep)]
+
+    def polished(self, rough: Lock) -> Lock:
+        """Return the top of the score next to a grid point; the grid point where that is far out of the ball."""
+        start = np.linalg.solve(self._back, rough.correction)
+        place = _polish(self._psi, self._response, start)
+        return self._lock(place) if np.linalg.norm(place) <= self._grid.radius * SLACK else rough
+
+    def _lock(self, place: FloatArray) -> Lock:
+        score = float(np.cos(self._psi + self._response @ place).sum())
+        return Lock(self._back @ place, score, self.tried)
+
+
+@dataclass(frozen=True, eq=False)
+class _Half:
+    """Grid points in some of the directions, nearest first: places (q, d), distances (q,), waves (q, n)."""
+
+    places: FloatArray
+    distances: FloatArray
+    waves: NDArray[np.complex64]
+
+
+@dataclass(frozen=True, eq=False)
+class _Grid:
+    """All sums of a point of one half and one of the other within the radius; `size` of them."""
+
+    halves: tuple[_Half, _Half]
+    radius: float
+    size: int
+
+
+def _plan(response: FloatArray, radius: float) -> _Grid:
+    """Lay the grid over the ball; shrink the ball until the points are few enough."""
+    spread = np.sqrt(np.mean(response**2, axis=0))
+    while True:
+        reach = np.floor(radius * spread / GRID + 0.5).astype(np.int64)
+        # A ball fills less and less of its cube: 0.16 in four directions, 0.037 in seven.
+        active = int((reach > 0).sum())
+        filled = np.pi ** (active / 2) / gamma(active / 2 + 1) / 2.0**active
+        if np.prod(2.0 * reach + 1.0) * filled <= MOST:
+            break
+        radius *= 0.95
+    order = np.argsort(-reach, kind="stable")
+    # Dealt out 1 2 2 1 1 2 2 1 by their number of points, the directions make halves of about equal size.
+    first = (np.arange(len(order)) + 1) // 2 % 2 == 0
+    one, two = (_lay(response, spread, reach, order[side], radius) for side in (first, ~first))
+    size = int(np.searchsorted(two.distances, _leg(radius, one.distances), side="right").sum())
+    return _Grid((one, two), radius, size)
+
+
+def _lay(
+    response: FloatArray, spread: FloatArray, reach: IntArray, directions: IntArray, radius: float
+) -> _Half:
+    """Return the grid over some directions, within the radius, nearest first."""
+    spacing = GRID / np.maximum(spread[directions], GRID * 1e-6)
+    counts = np.meshgrid(*(np.arange(-reach[i], reach[i] + 1) for i in directions), indexing="ij")
+    ticks = np.stack([count.ravel() for count in counts], axis=1)
+    distances = np.linalg.norm(ticks * spacing, axis=1)
+    near = np.flatnonzero(distances <= radius)
+    near = near[np.argsort(distances[near], kind="stable")]
+    places = np.zeros((len(near), len(spread)))
+    places[:, directions] = ticks[near] * spacing
+    waves = np.ones((len(near), len(response)), dtype=np.complex64)
+    for i, d, column in zip(directions, spacing, ticks[near].T, strict=True):
+        if reach[i]:  # few ticks, many points: a product is cheaper than an exponential
+            tick_waves = np.exp(1j * np.outer(np.arange(-reach[i], reach[i] + 1) * d, response[:, i]))
+            waves *= tick_waves.astype(np.complex64)[column + reach[i]]
+    return _Half(places, distances[near], waves)
+
+
+def _leg(radius: float, other: FloatArray) -> FloatArray:
+    """Return how far the other half may be from 0 where this one is `other` away."""
+    return np.sqrt(np.maximum(radius * radius * (1.0 + ROUNDING) - other * other, 0.0))
+
+
+def _best_places(grid: _Grid, psi: FloatArray, keep: int) -> list[FloatArray]:
+    """Return the places (d,) of the best scores, each score less the square of its distance."""
+    one, two = grid.halves
+    start = one.waves * np.exp(1j * psi).astype(np.complex64)
+    rows = np.hstack([start.real, -start.imag])
+    columns = np.ascontiguousarray(np.hstack([two.waves.real, two.waves.imag]).T)
+    ends = np.searchsorted(two.distances, _leg(grid.radius, one.distances), side="right")
+    found: list[tuple[float, int, int]] = []
+    for i in range(0, len(rows), ROWS):
+        for j in range(0, int(ends[i]), COLUMNS):
+            ahead = slice(j, min(j + COLUMNS, int(ends[i])))
+            worth = rows[i : i + ROWS] @ columns[:, ahead]
+            far = (one.distances[i : i + ROWS] ** 2)[:, None] + two.distances[ahead] ** 2
+            worth = np.where(far <= grid.radius**2 * (1.0 + ROUNDING), worth - far, -np.inf)
+            best = worth.argmax(axis=1)  # neighbours of a peak climb the same one: one for each row is enough
+            found += [(float(worth[a, b]), i + a, j + int(b)) for a, b in enumerate(best)]
+        found = sorted(found, reverse=True)[:keep]
+    return [one.places[a] + two.places[b] for _, a, b in found]
+
+
+def _polish(psi: FloatArray, response: FloatArray, place: FloatArray) -> FloatArray:
+    """Climb to the top of the score by damped Newton steps; return the place (d,)."""
+    here, damping = place, 1e-2
+    phase = psi + response @ here
+    score = float(np.cos(phase).sum())
+    for _ in range(POLISH_STEPS):
+        # Where a cosine is low its curvature points the wrong way; it is left out.
+        weight = np.maximum(np.cos(phase), 0.0)
+        hessian = (response.T * weight) @ response
+        hessian += np.diag(
+            np.diag(hessian) * damping + 1.0
+        )  # an expected step of 1 holds ill-determined ones
+        step = np.linalg.solve(hessian, -response.T @ np.sin(phase))
+        moved = psi + response @ (here + step)
+        better = float(np.cos(moved).sum())
+        if better <= score:
+            damping *= 10.0
+            continue
+        gain, here, phase, score = better - score, here + step, moved, better
+        damping *= 0.3
+        if gain < 1e-3 * abs(score):
+            break
+    return here

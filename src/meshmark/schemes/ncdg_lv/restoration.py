@@ -1,0 +1,77 @@
+"""What may have happened to a suspect, undone: noise filtered off, smoothing taken back, a stretch relaxed.
+
+Smoothing by neighbours' means multiplies each frequency x of the mesh by about exp(-t x), t being passes times
+strength. It is undone by the inverse, as far as the noise lets it, for a few t; between two of them shapes are
+interpolated, and how far is one more part of the correction that the lock finds.
+Noise makes the surface rough, its area uneven, and so its frame wrong: rough shapes are low-passed first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Final
+
+import numpy as np
+
+from meshmark.geometry.adjacency import unique_edges
+from meshmark.geometry.scale_space import random_walk, spectral_filters
+from meshmark.geometry.weld import Welded
+from meshmark.mesh import FloatArray
+
+__all__ = ["Restoration", "restorations"]
+
+# Low-pass filters 1 - (1 - exp(-t x))^4: flat for coarse shape, nothing of the roughness left.
+LOW_PASS: Final = (2.0, 4.0)
+ORDER: Final = 4
+# Amounts of smoothing undone; from one to the next shapes are interpolated.
+UNDONE: Final = (0.0, 0.9, 2.0, 3.6, 5.6)
+# The inverse is the series sum_k (1 - exp(-t x))^k up to this k, which bounds what it does to noise.
+INVERSE_TERMS: Final = 8
+# Largest stretch along an axis of the file, in either direction.
+STRETCH: Final = 0.03
+
+
+@dataclass(frozen=True, eq=False)
+class Restoration:
+    """One guess at the shape before an attack: `shapes[0]` and so far towards each of the others.
+
+    shapes: each (p, 3); middle, expected: for each shape after the first, the share of the way that is expected
+    and its standard deviation.
+    """
+
+    shapes: tuple[FloatArray, ...]
+    middle: tuple[float, ...] = ()
+    expected: tuple[float, ...] = ()
+
+
+def restorations(surface: Welded, wide: bool) -> Iterator[Restoration]:
+    """Yield what may have been before an attack, likeliest first; `wide` adds a stretch."""
+    yield Restoration((surface.points,))
+    walk = random_walk(surface.points, unique_edges(surface.faces))
+    filters = [_low_pass(t) for t in LOW_PASS] + [_undone(t) for t in UNDONE[1:]]
+    centre = surface.points.mean(axis=0)
+    smooth, smoother, *undone = centre + spectral_filters(walk, surface.points - centre, filters)
+    yield Restoration((smooth,))
+    for before, after in pairwise((smooth, *undone)):
+        yield Restoration((before, after), (0.5,), (0.3,))
+    yield Restoration((smoother,))
+    if wide:
+        stretched = [smooth + STRETCH * (smooth - centre) * axis for axis in np.eye(3)[:2]]
+        yield Restoration((smooth, *stretched), (0.0, 0.0), (0.7, 0.7))
+
+
+def _low_pass(amount: float) -> Callable[[FloatArray], FloatArray]:
+    return lambda x: 1.0 - (1.0 - np.exp(-amount * x)) ** ORDER
+
+
+def _undone(amount: float) -> Callable[[FloatArray], FloatArray]:
+    """Return the inverse of smoothing by `amount`, low-passed as shapes without smoothing are."""
+    kept = _low_pass(LOW_PASS[0])
+
+    def response(x: FloatArray) -> FloatArray:
+        lost = 1.0 - np.exp(-amount * x)
+        return np.asarray(kept(x) * sum(lost**k for k in range(INVERSE_TERMS + 1)))
+
+    return response
