@@ -33,7 +33,8 @@ class Landmarks:
     """n landmarks in canonical coordinates (unit: the frame's scale).
 
     places, normals: (n, 3); masses: (n,) surface in the window over that of a plane; curvatures: (n,) how far the
-    mean height of a wider window lies above; descriptors: (n, DESCRIPTOR_LENGTH).
+    mean height of a wider window lies above; descriptors: (n, DESCRIPTOR_LENGTH); explains: the share, above
+    0 to 1, of their own surface that lies in the tangent plane of a landmark nearby (see `judging`).
     """
 
     places: FloatArray
@@ -41,6 +42,7 @@ class Landmarks:
     masses: FloatArray
     curvatures: FloatArray
     descriptors: FloatArray
+    explains: float
 
     @cached_property
     def tree(self) -> cKDTree:
@@ -73,7 +75,10 @@ def spread(surfels: Surfels, count: int, side_distance: float) -> IntArray:
 
 
 def make_landmarks(surfels: Surfels, coarse: Surfels, count: int) -> Landmarks:
-    """Return up to `count` landmarks of a surface given in canonical coordinates, in fine and in coarse pieces."""
+    """Return up to `count` landmarks of a surface given in canonical coordinates, in fine and in coarse pieces.
+
+    Of folded or very thin parts there are none. What they explain is taken to be everything.
+    """
     rows = spread(surfels, count, SIDE_DISTANCE)
     places, normals = surfels.places[rows], surfels.normals[rows]
     for _ in range(3):
@@ -86,4 +91,4 @@ def make_landmarks(surfels: Surfels, coarse: Surfels, count: int) -> Landmarks:
     wide = look(surfels, places, normals, 1.5 * WIDTH)
     curvature = wide.heights - seen.heights[good]
     described = describe(coarse, places, normals, RADIUS)
-    return Landmarks(places, normals, seen.masses[good], curvature, described)
+    return Landmarks(places, normals, seen.masses[good], curvature, described, 1.0)

@@ -42,9 +42,9 @@ class Spots:
 
 def candidate_poses(landmarks: Landmarks, spots: Spots, scale: float) -> list[Similarity]:
     """Return poses (landmarks -> suspect) suggested by matches at about this scale, most supported first."""
-    rows, columns = _matches(landmarks, spots)
-    if len(rows) < 3:
+    if len(spots.places) < 3:
         return []
+    rows, columns = _matches(landmarks, spots)
     agree = _compatible(landmarks, spots, rows, columns, scale)
     support = agree * (agree @ agree)
     order = np.argsort(-support.sum(axis=1), kind="stable")[:SEEDS]

@@ -1,41 +1,49 @@
 """Registration: how the reference lies in a suspect that was noised, simplified, cut, turned, moved and rescaled.
 
 Cheap guesses come first (the suspect was not moved; its canonical frame), the search by descriptors only where
-none of them holds. Every candidate is refined and judged the same way.
+none of them convinces. Every candidate is refined and judged the same way.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 
-from meshmark.geometry.descriptors import describe
-from meshmark.geometry.frame import Frame, canonical_frame, frame_alternatives
-from meshmark.geometry.judging import judge
-from meshmark.geometry.landmarks import RADIUS, WIDTH, Landmarks, make_landmarks, spread
-from meshmark.geometry.matching import Spots, candidate_poses
-from meshmark.geometry.refine import approach, settle
+from meshmark.geometry.frame import Frame, frame_alternatives
+from meshmark.geometry.judging import TOLERANCE, judge
+from meshmark.geometry.landmarks import Landmarks
+from meshmark.geometry.matching import candidate_poses
+from meshmark.geometry.prepared import Surface
+from meshmark.geometry.refine import approach, doubt, settle
 from meshmark.geometry.similarity import Similarity
-from meshmark.geometry.surfels import Surfels, low_passed, make_surfels
-from meshmark.geometry.windows import look
-from meshmark.mesh import FloatArray, IntArray
+from meshmark.geometry.surfels import Surfels
 
-__all__ = ["Registered", "Surface", "register"]
+__all__ = ["Registered", "register"]
 
-LOW_PASS = 0.03
-FINE, COARSE = 0.025, 0.06
-SPOTS = 800
-JUDGES = 600
 KEPT = 5
+"""Poses returned at most."""
+# Fewer landmarks than this determine nothing.
 FEWEST = 20
-GOOD = 0.8
+# What explains this share of what it could, with no more than this left over, needs no (further) search; a lower
+# share will do after a search where the next best is worse by a margin.
+SURE, CLOSE = 0.94, 0.012
+LIKELY, MARGIN = 0.75, 0.1
+# Poses far below the best, or that explain little, are not returned.
+LEAST_EXPLAINED, LEAST_QUALITY = 0.4, 0.6
+# Tolerance, in units of the reference's scale, for poses that were not refined yet.
 ROUGH = 0.1
-APPROACHED, SETTLED = 12, 3
-MOST_DOUBT = 0.02
-SCALES = (1.0, 1.2, 1.44, 1.73, 2.07, 0.83)
+# So many poses of one search are drawn to the surface, and the best of those settled.
+APPROACHED, SETTLED = 10, 3
+# A pose is settled if it is judged at least this share of the best.
+WORTHWHILE = 0.5
+# Poses closer than this are one: before and after refinement, in units of the reference's scale.
+NEAR, SAME = 0.1, 0.02
+# A pose this uncertain along some direction, in units of the reference's scale, is not determined.
+MOST_DOUBT = 0.012
+# Scales of the reference over the suspect's own: what is left of a cropped model can be much smaller.
+SCALES = (1.0, 1.2, 1.45, 1.75, 2.1, 0.85)
 SCALES_FROM, SCALES_TO = 0.4, 4.0
 SAME_SCALE = 0.05
 
@@ -44,9 +52,9 @@ SAME_SCALE = 0.05
 class Registered:
     """A pose (reference's canonical coordinates -> suspect's scene) and how good it is.
 
-    quality: 0 to 1, `explained` times the root of `share`.
-    share:     of the landmarks that find their place on the suspect.
-    explained: of the suspect's surface that lies where the landmarks say.
+    quality:   0 to 1, `explained` times the root of `share`.
+    share:     of the landmarks that find their place on the suspect, 0 to 1.
+    explained: of the suspect's surface that lies where the landmarks say, 0 to 1; 1 is what can be expected.
     rms:       what is left between landmarks and surface, in units of the reference's scale.
     doubt:     expected error along the weakest direction, in the same unit.
     """
@@ -59,66 +67,38 @@ class Registered:
     doubt: float
 
 
-class Surface:
-    """A low-passed surface prepared for registration, in canonical coordinates; `frame` leads there.
-
-    frame: by default that of the low-passed surface, which noise moves less.
-    Raises `InputError` where there is no surface.
-    """
-
-    def __init__(self, points: FloatArray, faces: IntArray, frame: Frame | None = None) -> None:
-        unit = (frame or canonical_frame(points, faces)).scale
-        smooth = low_passed(points, faces, LOW_PASS * unit)
-        self.frame: Frame = frame or canonical_frame(smooth, faces)
-        canonical = self.frame.to_canonical(smooth)
-        self.fine: Surfels = make_surfels(canonical, faces, FINE)
-        self.coarse: Surfels = make_surfels(canonical, faces, COARSE)
-
-    @cached_property
-    def spots(self) -> tuple[FloatArray, FloatArray]:
-        """Places and normals spread over the surface where descriptors are taken."""
-        rows = spread(self.coarse, SPOTS, 0.1)
-        places, normals = self.coarse.places[rows], self.coarse.normals[rows]
-        for _ in range(2):
-            seen = look(self.coarse, places, normals, WIDTH)
-            normals = seen.facing
-        return places + seen.heights[:, None] * normals, normals
-
-    def landmarks(self, count: int) -> Landmarks:
-        """Return up to `count` landmarks of this surface."""
-        return make_landmarks(self.fine, self.coarse, count)
-
-    def described(self, scale: float) -> Spots:
-        """Return the spots with descriptors of balls as large as those of a reference of this scale."""
-        places, normals = self.spots
-        return Spots(places, normals, describe(self.coarse, places, normals, RADIUS * scale))
-
-    @cached_property
-    def judges(self) -> Surfels:
-        """A part of the pieces, spread over the surface."""
-        return self.coarse.take(spread(self.coarse, JUDGES, 0.1))
-
-
-def register(landmarks: Landmarks, home: Frame, surface: Surface) -> list[Registered]:
+def register(landmarks: Landmarks, home: Frame, suspect: Surface) -> list[Registered]:
     """Return the best poses found (canonical coordinates of the reference -> scene of the suspect), best first.
 
     home: the reference's frame in its own scene. Empty where nothing fits, or where the surface does not
     determine a pose (a plane, a sphere).
     """
-    if len(landmarks) < FEWEST or not len(surface.fine):
+    if len(landmarks) < FEWEST or not (_determined(landmarks) and _determined(suspect.judges)):
         return []
-    found = _refined(landmarks, surface, list(_guesses(home, surface.frame)))
-    if not _good(found):
-        for scale in _scales(home, surface.frame):
-            poses = candidate_poses(landmarks, surface.described(scale), scale)
-            found = _distinct(found + _refined(landmarks, surface, poses))
-            if _good(found):
+    found = _refined(landmarks, suspect, list(_guesses(home, suspect.frame)))
+    if not _sure(found):
+        for scale in _scales(home, suspect.frame):
+            poses = candidate_poses(landmarks, suspect.described(scale), scale)
+            found = _distinct(found + _refined(landmarks, suspect, poses))
+            if _sure(found) or _clear(found):
                 break
-    return [_in_scene(fit, surface.frame) for fit in found[:KEPT]]
+    to_scene = _to_scene(suspect.frame)
+    return [replace(fit, pose=to_scene.after(fit.pose)) for fit in found[:KEPT]]
 
 
-def _in_scene(fit: Registered, frame: Frame) -> Registered:
-    return replace(fit, pose=_to_scene(frame).after(fit.pose))
+def _determined(pieces: Landmarks | Surfels) -> bool:
+    return doubt(pieces.places, pieces.normals) < MOST_DOUBT
+
+
+def _sure(found: list[Registered]) -> bool:
+    return bool(found) and found[0].explained > SURE and found[0].rms < CLOSE
+
+
+def _clear(found: list[Registered]) -> bool:
+    """Whether the best explains much, and clearly more than the next."""
+    if not found or found[0].explained < LIKELY:
+        return False
+    return len(found) == 1 or found[0].quality > found[1].quality + MARGIN
 
 
 def _to_scene(frame: Frame) -> Similarity:
@@ -144,45 +124,58 @@ def _scales(home: Frame, frame: Frame) -> Iterator[float]:
             yield scale
 
 
-def _refined(landmarks: Landmarks, surface: Surface, poses: list[Similarity]) -> list[Registered]:
+def _refined(landmarks: Landmarks, suspect: Surface, poses: list[Similarity]) -> list[Registered]:
     """Return the most promising poses after refinement, best first."""
-    first = sorted(
-        poses, key=lambda pose: -_quality(*judge(landmarks, surface.coarse, surface.judges, pose, ROUGH))
-    )
-    near = [approach(landmarks, surface.coarse, pose) for pose in _apart(first)[:APPROACHED]]
-    near.sort(key=lambda pose: -_quality(*judge(landmarks, surface.coarse, surface.judges, pose)))
-    fits = []
-    for pose in _apart(near)[:SETTLED]:
-        fit = settle(landmarks, surface.fine, pose)
-        share, explained = judge(landmarks, surface.coarse, surface.judges, fit.pose)
-        total = max(float(fit.weights.sum()), 1e-9)
-        rms = float(np.sqrt(fit.weights @ fit.heights**2 / total))
-        fits.append(Registered(fit.pose, _quality(share, explained), share, explained, rms, fit.doubt))
-    sound = [fit for fit in fits if fit.doubt < MOST_DOUBT and SCALES_FROM < fit.pose.scale < SCALES_TO]
-    return _distinct(sound)
+    first = [pose for _, pose in _ranked(landmarks, suspect, _apart(poses), ROUGH)]
+    near = [approach(landmarks, suspect.coarse, pose) for pose in first[:APPROACHED]]
+    ranked = _ranked(landmarks, suspect, _apart(near))
+    worth = [pose for quality, pose in ranked[:SETTLED] if quality >= WORTHWHILE * ranked[0][0]]
+    return _distinct([fit for pose in worth if (fit := _settled(landmarks, suspect, pose)) is not None])
+
+
+def _settled(landmarks: Landmarks, suspect: Surface, pose: Similarity) -> Registered | None:
+    fit = settle(landmarks, suspect.coarse, suspect.fine, pose)
+    if not (fit.doubt < MOST_DOUBT and SCALES_FROM < fit.pose.scale < SCALES_TO):
+        return None
+    share, explained = _judged(landmarks, suspect, fit.pose)
+    rms = float(np.sqrt(fit.weights @ fit.heights**2 / fit.weights.sum()))
+    return Registered(fit.pose, _quality(share, explained), share, explained, rms, fit.doubt)
+
+
+def _ranked(
+    landmarks: Landmarks, suspect: Surface, poses: list[Similarity], tolerance: float = TOLERANCE
+) -> list[tuple[float, Similarity]]:
+    """Return the poses with their quality, best first."""
+    judged = [(_quality(*_judged(landmarks, suspect, pose, tolerance)), pose) for pose in poses]
+    return sorted(judged, key=lambda pair: -pair[0])
+
+
+def _judged(
+    landmarks: Landmarks, suspect: Surface, pose: Similarity, tolerance: float = TOLERANCE
+) -> tuple[float, float]:
+    share, explained = judge(landmarks, suspect.coarse, suspect.judges, pose, tolerance)
+    return share, min(1.0, explained / landmarks.explains)
 
 
 def _quality(share: float, explained: float) -> float:
     return explained * float(np.sqrt(share))
 
 
-def _good(found: list[Registered]) -> bool:
-    return bool(found) and found[0].explained > GOOD
-
-
 def _distinct(found: list[Registered]) -> list[Registered]:
-    """Return the fits best first, each pose once."""
+    """Return the fits best first, each pose once, without those that are far worse than the best."""
     kept: list[Registered] = []
     for fit in sorted(found, key=lambda fit: -fit.quality):
-        if all(_difference(fit.pose, other.pose) > 0.02 for other in kept):
+        good = fit.explained > LEAST_EXPLAINED and (not kept or fit.quality > LEAST_QUALITY * kept[0].quality)
+        if good and all(_difference(fit.pose, other.pose) > SAME for other in kept):
             kept.append(fit)
     return kept
 
 
 def _apart(poses: list[Similarity]) -> list[Similarity]:
+    """Return the poses without those that are near an earlier one."""
     kept: list[Similarity] = []
     for pose in poses:
-        if all(_difference(pose, other) > 0.1 for other in kept):
+        if all(_difference(pose, other) > NEAR for other in kept):
             kept.append(pose)
     return kept
 

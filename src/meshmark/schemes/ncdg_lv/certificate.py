@@ -7,8 +7,8 @@ the lattice's parameters: neither the surface nor anything of the key. The file 
     vertices, faces      counts of the marked model
     spacing, step        of the lattice, in canonical units and in spacings; strength subtle, standard or strong
     frame                of the marked model: centre, scale, axes (columns), moments, area, skewness
-    landmarks            count, and arrays in base64, little-endian rows: places, normals, masses, curvatures
-                         (32-bit floats), descriptors (16-bit floats)
+    landmarks            count, explains (see `geometry.landmarks.Landmarks`), and arrays in base64, little-endian
+                         rows: places, normals, masses, curvatures (32-bit floats), descriptors (16-bit floats)
 
 Fields that a reader does not know are kept as they are, so later versions of meshmark can add some.
 """
@@ -30,7 +30,7 @@ from meshmark.errors import InputError, OutputError
 from meshmark.geometry.descriptors import DESCRIPTOR_LENGTH
 from meshmark.geometry.frame import Frame, canonical_frame
 from meshmark.geometry.landmarks import Landmarks
-from meshmark.geometry.registration import Surface
+from meshmark.geometry.prepared import Surface
 from meshmark.geometry.weld import weld
 from meshmark.mesh import FloatArray, Mesh
 from meshmark.schemes.ncdg_lv.parameters import BUDGETS
@@ -127,7 +127,7 @@ def _rounded(landmarks: Landmarks) -> Landmarks:
 
 
 def _packed(landmarks: Landmarks) -> dict[str, Any]:
-    values: dict[str, Any] = {"count": len(landmarks)}
+    values: dict[str, Any] = {"count": len(landmarks), "explains": landmarks.explains}
     for name in _WIDTHS:
         array = np.asarray(getattr(landmarks, name), dtype=_TYPES.get(name, "<f4"))
         values[name] = base64.b64encode(array.tobytes()).decode("ascii")
@@ -144,10 +144,11 @@ def _unpacked(values: dict[str, Any]) -> Landmarks:
         raise InputError("a landmark has no mass")
     return Landmarks(
         arrays["places"],
-        arrays["normals"] / lengths[:, None],
+        arrays["normals"],
         arrays["masses"][:, 0],
         arrays["curvatures"][:, 0],
         arrays["descriptors"],
+        _number(values, "explains", 1e-6, 1.0),
     )
 
 

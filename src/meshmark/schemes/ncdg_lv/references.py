@@ -6,7 +6,8 @@ from dataclasses import replace
 
 from meshmark.geometry.frame import Frame, canonical_frame
 from meshmark.geometry.landmarks import Landmarks
-from meshmark.geometry.registration import Surface, register
+from meshmark.geometry.prepared import Surface
+from meshmark.geometry.registration import register
 from meshmark.geometry.similarity import Similarity
 from meshmark.geometry.weld import Welded, weld
 from meshmark.mesh import Mesh
