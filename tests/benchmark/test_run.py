@@ -170,30 +170,47 @@ def test_one_folder_one_run_at_a_time(models, tmp_path):
         run(Plan("smoke", models, tmp_path))
 
 
+@pytest.fixture(scope="module")
+def pair(models, tmp_path_factory):
+    """A folder with two of the models, of an even and an odd number of vertices."""
+    folder = tmp_path_factory.mktemp("pair")
+    (folder / "even.ply").write_bytes((models / "train" / "even.ply").read_bytes())
+    (folder / "odd.off").write_bytes((models / "test" / "deep" / "odd.off").read_bytes())
+    return folder
+
+
 @pytest.mark.usefixtures("toys")
 @pytest.mark.parametrize(
     ("scheme", "status", "note"),
     [
         ("crashing", "killed", "the worker was ended by SIGSEGV"),
-        ("hanging", "timeout", "took longer than 2 s"),
         ("hungry", "failed", "needed more than "),
         ("broken", "failed", "ZeroDivisionError: by mistake"),
         ("short", "failed", "the scheme read bits of shape (3,), expected 16 zeros and ones"),
     ],
 )
-def test_misfortune_is_a_row_and_harms_no_other(models, tmp_path, scheme, status, note):
-    folder = tmp_path / "models"
-    folder.mkdir()
-    (folder / "even.ply").write_bytes((models / "train" / "even.ply").read_bytes())
-    (folder / "odd.off").write_bytes((models / "test" / "deep" / "odd.off").read_bytes())
-    rows = run(Plan("speed", folder, tmp_path / "out", (scheme,), workers=2, time_limit=2.0)).rows
+def test_misfortune_is_a_row_and_harms_no_other(pair, tmp_path, scheme, status, note):
+    rows = run(Plan("speed", pair, tmp_path, (scheme,), workers=2)).rows
     odd = [row for row in rows if row.case.model == "odd.off" or scheme == "short"]
     assert len(rows) == 10
     assert {row.status for row in odd} == {status}
     assert all(row.note.startswith(note) for row in odd)
     assert {row.ber for row in odd} == {None}
-    assert all(row.rms_over_diagonal > 0 for row in odd), "the mark was made"
+    assert all(row.embed_seconds > 0 for row in odd), "the mark was made"
     assert all(row.status == "ok" and row.recovered for row in rows if row not in odd)
+
+
+@pytest.mark.usefixtures("toys")
+def test_a_case_that_hangs_is_a_row_and_harms_no_other(pair, tmp_path, monkeypatch):
+    # Workers come from a server with the environment of the first run, so this needs a process of its own.
+    limit = 20.0
+    driver = DRIVER.replace('("toy",), workers=2', f'("hanging",), workers=2, time_limit={limit}')
+    monkeypatch.setenv("TOY_HUNG", str(tmp_path / "hung"))
+    command = [sys.executable, "-c", driver.replace("smoke", "speed"), str(pair), str(tmp_path / "out")]
+    subprocess.run(command, check=True, timeout=300)
+    (lost,) = [row for row in rows_in(tmp_path / "out") if row.status != "ok"]
+    assert (lost.case.model, lost.status, lost.note) == ("odd.off", "timeout", "took longer than 20 s")
+    assert (tmp_path / "hung").exists()
 
 
 @pytest.mark.usefixtures("toys")
@@ -227,7 +244,7 @@ def start(models, out, outside, seconds):
     return subprocess.Popen(command, env=environment, start_new_session=True, stderr=subprocess.PIPE)
 
 
-def gone(group, within=15.0):
+def gone(group, within=60.0):
     """Whether every process of a group ends by itself."""
     end = time.monotonic() + within
     while time.monotonic() < end:
@@ -266,7 +283,7 @@ def test_a_killed_run_leaves_no_process_and_goes_on_where_it_was(models, outside
     before = []
     for _ in range(2):
         process = start(models, tmp_path, outside, 0.1)
-        deadline, aim = time.monotonic() + 30, len(before) + chance.randint(1, 9)
+        deadline, aim = time.monotonic() + 120, len(before) + chance.randint(1, 9)
         while time.monotonic() < deadline and process.poll() is None and count(tmp_path) < aim:
             time.sleep(0.01)
         time.sleep(chance.uniform(0, 0.1))
@@ -313,7 +330,7 @@ def test_killed_workers_are_replaced_and_their_cases_done(models, outside, whole
             os.kill(pid, signal.SIGKILL)
             killed += 1
         time.sleep(0.02)
-    assert process.communicate(timeout=60)[1] == b""
+    assert process.communicate(timeout=300)[1] == b""
     assert killed == 3
     assert numbers(rows_in(tmp_path)) == numbers(whole.rows)
 

@@ -54,11 +54,15 @@ class Crashing(Toy):
 
 
 class Hanging(Toy):
-    """Never comes back from a model of an odd number of vertices."""
+    """Does not come back from its first reading of a model of an odd number of vertices."""
 
     def extract(self, mesh, key, *, reference=None):
-        if len(mesh.vertices) % 2:
-            time.sleep(3600)
+        try:
+            if len(mesh.vertices) % 2:
+                open(os.environ["TOY_HUNG"], "x").close()  # noqa: PTH123
+                time.sleep(3600)
+        except FileExistsError:
+            pass
         return super().extract(mesh, key)
 
 

@@ -17,6 +17,7 @@ from meshmark.benchmark.seeds import bits_for, generator_for, key_for
 from meshmark.coding.keys import Key
 from meshmark.errors import InputError
 from meshmark.mesh import Mesh
+from meshmark.metrics.bits import ber, correlation, recovered
 from meshmark.schemes import SCHEMES
 from meshmark.schemes.scheme import Bits, Readout, Scheme
 
@@ -80,14 +81,13 @@ def _figures(
     bits = np.asarray(readout.bits)
     if bits.shape != (scheme.bits,) or not np.isin(bits, (0, 1)).all():
         raise InputError(f"the scheme read bits of shape {bits.shape}, expected {scheme.bits} zeros and ones")
-    truth = min(truths, key=lambda each: int((bits != each).sum()))
-    ber = float((bits != truth).mean())
+    truth = min(truths, key=lambda each: ber(each, bits))
     return {
-        "ber": ber,
+        "ber": ber(truth, bits),
         "raw_ber": _raw_ber(readout, truth, scheme, key),
-        "correlation": _correlation(bits, truth),
+        "correlation": correlation(truth, bits),
         "present": bool(readout.present),
-        "recovered": bool(readout.present) and ber == 0.0,
+        "recovered": bool(readout.present) and bool(recovered(truth, bits)),
         "log10_false_positive": readout.log10_false_positive,
     }
 
@@ -98,10 +98,3 @@ def _raw_ber(readout: Readout, truth: Bits, scheme: Scheme, key: Key) -> float |
         return None
     seen = readout.raw != 0.0
     return float(((readout.raw < 0.0) != code(truth, key).astype(bool))[seen].mean())
-
-
-def _correlation(bits: Bits, truth: Bits) -> float | None:
-    """Return Pearson's correlation of the two, None where one is constant."""
-    if np.ptp(bits) == 0 or np.ptp(truth) == 0:
-        return None
-    return float(np.corrcoef(bits, truth)[0, 1])
