@@ -87,15 +87,19 @@ def test_what_is_no_certificate_is_refused(name, tmp_path):
 CHANGES = {
     "version": (("version",), 2, "its version is 2, expected 1"),
     "strength": (("strength",), "huge", "'strength' is 'huge', expected one of subtle"),
-    "spacing": (("spacing",), -1.0, "'spacing' is -1, expected"),
+    "spacing": (("spacing",), -1.0, "'spacing' is out of range, expected"),
     "step": (("step",), True, "'step' is missing or no number"),
     "vertices": (("vertices",), 1.5, "'vertices' is missing or no whole number"),
     "landmarks": (("landmarks",), [], "'landmarks' is missing or no object"),
     "count": (("landmarks", "count"), 3, "'places' holds"),
     "base64": (("landmarks", "masses"), "?", "'masses' is not an array in base64"),
-    "scale": (("frame", "scale"), 0.0, "'scale' is 0, expected"),
+    "scale": (("frame", "scale"), 0.0, "'scale' is out of range, expected"),
     "axes": (("frame", "axes"), [[1, 0, 0], [0, 1, 0], [0, 0, -1]], "'axes' is not a rotation"),
     "centre": (("frame", "centre"), [1, 2], "'centre' is missing, or not 3 finite numbers"),
+    "no name": (("strength",), ["subtle"], "'strength' is"),
+    "true": (("version",), True, "its version is True, expected 1"),
+    "large": (("faces",), 10**400, "'faces' is out of range"),
+    "large scale": (("frame", "scale"), 10**400, "'scale' is out of range"),
     "big": (("frame", "centre"), [1, 2, 10**400], "'centre' is missing, or not 3 finite numbers"),
 }
 

@@ -33,7 +33,7 @@ def test_half_a_lump_gets_the_frame_of_the_whole(kind):
 
 def test_frames_are_rotations_at_most_five_and_always_the_same():
     mesh = Mesh(*lump(48))
-    surface = weld(parse_chain("crop:0.3+similarity")(mesh, np.random.default_rng(4)))
+    surface = weld(parse_chain("crop:0.2+similarity")(mesh, np.random.default_rng(4)))
     one, other = starting_frames(surface, mesh), starting_frames(surface, mesh)
     assert 1 <= len(one) == len(other) <= 5
     for a, b in zip(one, other, strict=True):
@@ -43,7 +43,7 @@ def test_frames_are_rotations_at_most_five_and_always_the_same():
 
 
 @pytest.mark.shared
-@pytest.mark.parametrize("chain", ["noise:0.02", "crop:0.5", "crop:0.1+noise:0.003"])
+@pytest.mark.parametrize("chain", ["noise:0.02", "crop:0.5"])
 @pytest.mark.parametrize("name", ["open_hand_closed", "classic_homer"])
 def test_real_models(shared_data, name, chain):
     mesh = load(shared_data / f"models/train/{name}.off.xz")

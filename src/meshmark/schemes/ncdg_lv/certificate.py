@@ -20,7 +20,6 @@ import json
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from math import isfinite
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -42,6 +41,8 @@ FORMAT, VERSION = "meshmark certificate", 1
 # A certificate is below 100 kB; what is far larger is none and is not read.
 LONGEST = 10_000_000
 MOST_LANDMARKS = 20_000
+# Larger numbers do not go into 16 bits; only thousands of sheets on top of each other could give them.
+LARGEST = 6e4
 _WIDTHS = {"places": 3, "normals": 3, "masses": 1, "curvatures": 1, "descriptors": DESCRIPTOR_LENGTH}
 _TYPES = {"descriptors": "<f2"}
 _OWN = {"format", "version", "vertices", "faces", "spacing", "step", "strength", "frame", "landmarks"}
@@ -129,7 +130,7 @@ def _rounded(landmarks: Landmarks) -> Landmarks:
 def _packed(landmarks: Landmarks) -> dict[str, Any]:
     values: dict[str, Any] = {"count": len(landmarks), "explains": landmarks.explains}
     for name in _WIDTHS:
-        array = np.asarray(getattr(landmarks, name), dtype=_TYPES.get(name, "<f4"))
+        array = np.clip(getattr(landmarks, name), -LARGEST, LARGEST).astype(_TYPES.get(name, "<f4"))
         values[name] = base64.b64encode(array.tobytes()).decode("ascii")
     return values
 
@@ -174,17 +175,17 @@ def _parse(content: bytes) -> Certificate:
         raise InputError("it is not JSON") from None
     if not isinstance(values, dict) or values.get("format") != FORMAT:
         raise InputError(f"expected a JSON object with the format '{FORMAT}'")
-    if values.get("version") != VERSION:
+    if type(values.get("version")) is not int or values["version"] != VERSION:
         raise InputError(f"its version is {values.get('version')!r}, expected {VERSION}")
     strength = values.get("strength")
-    if strength not in BUDGETS:
+    if not isinstance(strength, str) or strength not in BUDGETS:
         raise InputError(f"'strength' is {strength!r}, expected one of {', '.join(BUDGETS)}")
     return Certificate(
         _unpacked(_table(values, "landmarks")),
         _frame(_table(values, "frame")),
         _number(values, "spacing", 1e-6, 1e3),
         _number(values, "step", 1e-6, 1e3),
-        str(strength),
+        strength,
         int(_number(values, "vertices", 0, 1e15, whole=True)),
         int(_number(values, "faces", 0, 1e15, whole=True)),
         {name: value for name, value in values.items() if name not in _OWN},
@@ -206,8 +207,8 @@ def _number(values: dict[str, Any], name: str, low: float, high: float, whole: b
     value = values.get(name)
     if type(value) is not int and (whole or type(value) is not float):
         raise InputError(f"'{name}' is missing or no {'whole ' if whole else ''}number")
-    if not (isfinite(value) and low <= value <= high):
-        raise InputError(f"'{name}' is {value:g}, expected {low:g} to {high:g}")
+    if not low <= value <= high:  # nor is NaN; whole numbers may be too large for a float
+        raise InputError(f"'{name}' is out of range, expected {low:g} to {high:g}")
     return float(value)
 
 
@@ -223,7 +224,7 @@ def _frame(values: dict[str, Any]) -> Frame:
 def _numbers(values: dict[str, Any], name: str, shape: tuple[int, ...]) -> FloatArray:
     try:
         array = np.array(values.get(name), dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         array = np.zeros(0)
     if array.shape != shape or not np.isfinite(array).all():
         raise InputError(f"'{name}' is missing, or not {' by '.join(map(str, shape))} finite numbers")
