@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -23,8 +24,11 @@ def compare(
 ) -> int:
     """Measure how far apart two models are.
 
-    Distances are between vertices of equal number, in shares of A's bounding-box diagonal.
-    Models with different vertex counts have no vertex-by-vertex distance; JSON then says null.
+    Vertices: distances between those of equal number, in shares of A's bounding-box diagonal; models with
+    different counts have none, and JSON then says null.
+    Surfaces: distances whatever the triangles, the larger of both directions; then how visible the difference
+    is (MSDM2, 0 to 1) and how far normals turned.
+    PSNR is that of the vertices, or where the counts differ, of the surfaces.
     """
     from meshmark.io import read_mesh
     from meshmark.metrics import compare as measure
@@ -37,19 +41,35 @@ def compare(
 
 
 def _words(result: Comparison, counts: tuple[int, int]) -> str:
-    if result.rms_over_diagonal is None or result.max_over_diagonal is None:
-        return (
+    lines = []
+    if counts[0] != counts[1]:
+        lines.append(
             f"A has {counts[0]:,} vertices and B has {counts[1]:,}: they cannot be compared vertex by vertex."
         )
-    return "\n".join(
-        (
-            f"RMS distance      {percent(result.rms_over_diagonal)} of the diagonal",
-            f"largest distance  {percent(result.max_over_diagonal)} of the diagonal",
-            f"PSNR              {_decibels(result.psnr_db)}",
-            f"PSNR, paper       {_decibels(result.paper_psnr_db)} (eq. 17, longest side scaled to 1)",
-        )
+    rows = (
+        ("vertices, RMS", _share(result.rms_over_diagonal)),
+        ("vertices, largest", _share(result.max_over_diagonal)),
+        ("surfaces, RMS", _share(result.mrms_over_diagonal)),
+        ("surfaces, largest", _share(result.hausdorff_over_diagonal)),
+        ("PSNR", _decibels(result.psnr_db)),
+        ("PSNR, paper", _decibels(result.paper_psnr_db, " (eq. 17, longest side scaled to 1)")),
+        ("MSDM2", _number(result.msdm2, ".3f", " (0: looks the same, 1: nothing alike)")),
+        ("normals turned", _number(result.normal_deviation_deg, ".3g", " degrees on average")),
     )
+    if result.mrms_over_diagonal is None:
+        lines.append("A model has no surface: distances between surfaces are not defined.")
+    return "\n".join([*lines, *(f"{name:18s} {words}" for name, words in rows if words)])
 
 
-def _decibels(value: float | None) -> str:
-    return "infinite" if value is None or value == float("inf") else f"{value:.2f} dB"
+def _share(value: float | None) -> str:
+    return "" if value is None else f"{percent(value)} of the diagonal"
+
+
+def _decibels(value: float | None, remark: str = "") -> str:
+    if value is not None and math.isinf(value):
+        return "infinite"
+    return _number(value, ".2f", " dB" + remark)
+
+
+def _number(value: float | None, form: str, remark: str) -> str:
+    return "" if value is None else f"{value:{form}}{remark}"

@@ -7,40 +7,47 @@ along two axes, so such boxes tell near groups from others far better than balls
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from meshmark.geometry.blocks import blocks
 from meshmark.geometry.point_triangle import Triangles
 from meshmark.mesh import FloatArray, IntArray
 
-__all__ = ["BRANCHES", "BoxLevel", "box_levels", "level_bounds"]
+__all__ = ["BRANCHES", "ROUNDING", "BoxLevel", "box_levels", "level_bounds"]
 
 BRANCHES = 4
-MARGIN = 1e-12  # of the surface's extent, which is 1 to 2 here: rounding never leaves a face outside its box
+# Boxes are in single precision, which halves the time. The surface's extent is 1 to 2 here and that of its numbers
+# no larger, so bounds err by less than this times the size of the query's coordinates.
+ROUNDING = 4e-6
 
 
 @dataclass(frozen=True, eq=False)
 class BoxLevel:
     """The n boxes of one level; box j has the children BRANCHES j ... BRANCHES j + BRANCHES - 1 in the next.
 
-    numbers: (n, 15) axes as rows, the centre along them, half the lengths along them.
+    numbers: (n, 15) float32: axes as rows, the centre along them, half the lengths along them.
     large:   (n,) the face with the largest area in each box, a good guess at where its surface is.
     """
 
-    numbers: FloatArray
+    numbers: NDArray[np.float32]
     large: IntArray
 
-    def lower_bounds(self, queries: FloatArray, boxes: IntArray) -> FloatArray:
-        """Return (n,): the distance of each query (n, 3) to the box (n,) named beside it, 0 inside."""
-        out = np.empty(len(queries))
-        for part in blocks(len(queries), 1 << 13):
-            q = np.ascontiguousarray(queries[part].T)
+    def lower_bounds(self, queries: NDArray[Any], rows: IntArray, boxes: IntArray) -> NDArray[Any]:
+        """Return (n,): the distance of the queries (3, q) of `rows` (n,) to the boxes (n,) beside them, 0 inside.
+
+        Right but for `ROUNDING`. Queries of either precision; far ones need double, whose squares do not overflow.
+        """
+        out = np.empty(len(rows), queries.dtype)
+        for part in blocks(len(rows), 1 << 13):
+            q = queries.take(rows[part], axis=1)
             box = np.ascontiguousarray(self.numbers.take(boxes[part], axis=0).T)
-            squared = np.zeros(q.shape[1])
+            squared = np.zeros_like(q[0])
             for axis in range(3):
-                beyond = box[3 * axis] * q[0]
+                beyond = q[0] * box[3 * axis]
                 beyond += box[3 * axis + 1] * q[1]
                 beyond += box[3 * axis + 2] * q[2]
                 beyond -= box[9 + axis]
@@ -83,13 +90,13 @@ def _largest(values: FloatArray, starts: IntArray) -> IntArray:
     return places[np.searchsorted(places, starts[:-1])]
 
 
-def _boxes(triangles: Triangles, starts: IntArray) -> FloatArray:
+def _boxes(triangles: Triangles, starts: IntArray) -> NDArray[np.float32]:
     """Return the 15 numbers of a box around each run of triangles."""
     sizes = np.diff(starts)
     runs = np.repeat(np.arange(len(sizes)), sizes)
     corners = [triangles.corner, triangles.corner + triangles.first, triangles.corner + triangles.second]
     axes = _principal_axes(corners, starts)
-    numbers = np.empty((len(sizes), 15))
+    numbers = np.empty((len(sizes), 15), np.float32)
     numbers[:, :9] = axes.reshape(-1, 9)
     for i in range(3):
         along = axes[:, i].take(runs, axis=0)
@@ -97,7 +104,7 @@ def _boxes(triangles: Triangles, starts: IntArray) -> FloatArray:
         low = np.minimum.reduceat(np.minimum(np.minimum(*reach[:2]), reach[2]), starts[:-1])
         high = np.maximum.reduceat(np.maximum(np.maximum(*reach[:2]), reach[2]), starts[:-1])
         numbers[:, 9 + i] = 0.5 * (low + high)
-        numbers[:, 12 + i] = 0.5 * (high - low) + MARGIN
+        numbers[:, 12 + i] = 0.5 * (high - low)
     return numbers
 
 

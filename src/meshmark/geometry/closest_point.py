@@ -9,7 +9,7 @@ from scipy.spatial import cKDTree
 
 from meshmark.errors import InputError
 from meshmark.geometry.blocks import blocks
-from meshmark.geometry.box_tree import BRANCHES, BoxLevel, box_levels, level_bounds
+from meshmark.geometry.box_tree import BRANCHES, ROUNDING, BoxLevel, box_levels, level_bounds
 from meshmark.geometry.point_triangle import Triangles
 from meshmark.mesh import FloatArray, IntArray
 
@@ -18,6 +18,8 @@ __all__ = ["Nearest", "SurfaceIndex"]
 QUERIES_AT_ONCE = 1 << 15
 # Pairs of query and box that are looked at together: bounds memory where everything is equally near.
 PAIRS_AT_ONCE = 1 << 18
+# Queries farther away than so many extents are handled in double precision.
+LARGEST_SINGLE = 1e6
 # A face is tried for its distance at every third level: more often costs more than the pruning wins (measured).
 GUESS_EVERY = 3
 
@@ -83,6 +85,10 @@ class _Search:
         self.distances = np.full(len(queries), np.inf)
         self.faces = np.zeros(len(queries), np.int64)
         self.shares = np.zeros((len(queries), 2))
+        size = np.abs(queries).max(axis=1, initial=1.0)
+        self.slack = ROUNDING * size
+        narrow = size.max(initial=1.0) < LARGEST_SINGLE
+        self.columns = np.ascontiguousarray(queries.T, np.float32 if narrow else np.float64)
 
     def descend(self, order: IntArray, levels: list[BoxLevel]) -> None:
         """Follow all boxes that start closer than the best point, depth first in bundles of pairs."""
@@ -104,15 +110,21 @@ class _Search:
         self, level: BoxLevel, rows: IntArray, boxes: IntArray, guess: bool
     ) -> tuple[IntArray, IntArray]:
         """Return the pairs that may hold a closer point; a guess tries the largest face in the nearest box."""
-        bounds = level.lower_bounds(self.queries.take(rows, axis=0), boxes)
-        near = np.flatnonzero(bounds < self.distances[rows])
+        bounds = level.lower_bounds(self.columns, rows, boxes)
+        near = np.flatnonzero(bounds < self.reach(rows))
         rows, boxes, bounds = rows[near], boxes[near], bounds[near]
         if not guess:
             return rows, boxes
         best = _first_smallest(rows, bounds)
         self.try_faces(rows[best], level.large[boxes[best]])
-        near = np.flatnonzero(bounds < self.distances[rows])
+        near = np.flatnonzero(bounds < self.reach(rows))
         return rows[near], boxes[near]
+
+    def reach(self, rows: IntArray) -> FloatArray:
+        """Return how near a box must seem for these queries (n,) to hold a closer point."""
+        out: FloatArray = self.distances.take(rows)
+        out += self.slack.take(rows)
+        return out
 
     def try_faces(self, rows: IntArray, faces: IntArray) -> None:
         """Keep what is closer; equal rows stand together."""

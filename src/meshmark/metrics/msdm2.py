@@ -29,15 +29,14 @@ def msdm2(a: Mesh, b: Mesh) -> float:
     """Return how visible the difference of `b` is to one who knows `a`, 0 (equal) to 1.
 
     a: the original; b: the degraded model, whose vertices are judged and matched to the closest points of `a`.
-    The value is the 3rd-power mean over the points of `b`; swapped arguments give another value. Coincident
-    vertices are one point. Raises `InputError` where a model has no triangle with three different corners, or
-    no extent.
+    The value is the 3rd-power mean over the points of the surface of `b`; swapped arguments give another value.
+    Coincident vertices are one point. Raises `InputError` where a model has no triangle with three different
+    corners.
     """
     original, judged = surface_of(a), surface_of(b)
-    count = len(judged.points)
-    chosen = np.arange(count)
-    if count > MOST_WINDOWS:
-        chosen = (np.arange(MOST_WINDOWS) * count) // MOST_WINDOWS
+    chosen = np.unique(judged.faces)
+    if len(chosen) > MOST_WINDOWS:
+        chosen = chosen[(np.arange(MOST_WINDOWS) * len(chosen)) // MOST_WINDOWS]
     return float(np.cbrt(np.mean(_local(original, judged, chosen) ** 3)))
 
 
@@ -47,9 +46,11 @@ def msdm2_symmetric(a: Mesh, b: Mesh) -> float:
 
 
 def msdm2_map(a: Mesh, b: Mesh) -> FloatArray:
-    """Return (n,): the local values at the vertices of `b`, 0 to 1; raises as `msdm2` does."""
+    """Return (n,): the local values at the vertices of `b`, 0 to 1, 0 at loose ones; raises as `msdm2` does."""
     original, judged = surface_of(a), surface_of(b)
-    return _local(original, judged, np.arange(len(judged.points)))[judged.point_of_vertex]
+    out, used = np.zeros(len(judged.points)), np.unique(judged.faces)
+    out[used] = _local(original, judged, used)
+    return out[judged.point_of_vertex]
 
 
 def _local(original: Surface, judged: Surface, chosen: IntArray) -> FloatArray:
@@ -57,6 +58,8 @@ def _local(original: Surface, judged: Surface, chosen: IntArray) -> FloatArray:
 
     All lengths are in longest sides of the judged model, in which curvature has no unit.
     """
+    if judged.equals(original):  # where sheets coincide the closest point may lie on another one
+        return np.zeros(len(chosen))
     nearest = judged.nearest_on(original)
     corners = original.faces[nearest.faces]
     points, theirs = judged.scaled(judged.points), judged.scaled(original.points)

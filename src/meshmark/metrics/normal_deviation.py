@@ -20,6 +20,8 @@ def normal_deviation_deg(a: Mesh, b: Mesh) -> float:
     point has normals on both sides.
     """
     original, judged = surface_of(a), surface_of(b)
+    if judged.equals(original):  # where sheets coincide the closest point may lie on another one
+        return 0.0
     nearest = judged.nearest_on(original)
     corners = original.faces[nearest.faces]
     areas, normals = judged.areas_and_normals

@@ -59,6 +59,10 @@ class Surface:
         """
         return vertex_areas_and_normals(self.scaled(self.points), self.faces)
 
+    def equals(self, other: Surface) -> bool:
+        """Whether both have the same points and faces in the same order."""
+        return np.array_equal(self.points, other.points) and np.array_equal(self.faces, other.faces)
+
     def nearest_on(self, other: Surface) -> Nearest:
         """Return the closest point of the other surface to each of these points."""
         if other not in self._nearest:
