@@ -145,11 +145,24 @@ def _times(
             if pairs:
                 _cloud(axes, pairs, slopes[key], entries[key])
         axes.set(xscale="log", yscale="log", xlabel="points of the model", ylabel="seconds, median")
-        axes.minorticks_off()
+        _plain_numbers(axes)
         axes.set_title(words)
 
     said = "; ".join(f"{entries[key].words}: slope {number(slope, 2)}" for key, slope in slopes.items())
     return draw(f"time-{field}", f"Seconds of {words} against points: {said}", paint, words=["10^-1 sec"])
+
+
+def _plain_numbers(axes: Axes) -> None:
+    """Name 1, 2 and 5 (1 and 3, or 1 alone, on a long axis) of each decade, without powers of ten."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
+
+    for axis in (axes.xaxis, axes.yaxis):
+        low, high = axis.get_view_interval()
+        decades = np.log10(high / low)
+        digits = (1.0, 2.0, 5.0) if decades < 1.2 else (1.0, 3.0) if decades < 2.6 else (1.0,)
+        axis.set_major_locator(LogLocator(subs=digits, numticks=20))
+        axis.set_minor_locator(NullLocator())
+        axis.set_major_formatter(FuncFormatter(lambda value, _: number(value)))
 
 
 def _cloud(axes: Axes, pairs: list[tuple[int, float]], slope: float | None, entry: Entry) -> None:
@@ -162,7 +175,7 @@ def _cloud(axes: Axes, pairs: list[tuple[int, float]], slope: float | None, entr
     ends = x[[0, -1]]
     axes.plot(ends, centre * ends**slope, color=colour, lw=1.2, ls=DASHES[entry.dash])
     axes.annotate(
-        f"slope {slope:.2f}", (ends[1], centre * ends[1] ** slope), (-2, 4), textcoords="offset points",
+        f"slope {number(slope, 2)}", (ends[1], centre * ends[1] ** slope), (-2, 4), textcoords="offset points",
         ha="right", fontsize=7, color=INK,
     )  # fmt: skip
 

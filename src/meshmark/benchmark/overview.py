@@ -83,8 +83,9 @@ def _result(scheme: str, budget: str, part: Sequence[Robustness]) -> str:
     text = f"{scheme} at {budget} strength gives the exact id back {' and '.join(said)}"
     rates = [item.recovered.value for item in attacked]
     if len(set(rates)) > 1:
-        worst = attacked[rates.index(min(rates))]
-        text += f"; hardest is {label(worst.attack)} ({percent(worst.recovered.value)})"
+        worst = [label(item.attack) for item in attacked if item.recovered.value == min(rates)]
+        others = f" and {_counted(len(worst) - 1, 'other')}" if len(worst) > 1 else ""
+        text += f"; hardest: {worst[0]}{others} ({percent(min(rates))})"
     return text + "."
 
 
@@ -145,7 +146,10 @@ def _glance(chosen: Sequence[Row], figures: Sequence[Robustness], found: Sequenc
         *("scheme", "budget", "models", "refused", "untouched: id exact", "attacked: mark found"),
         *("attacked: id exact", "false alarms", "RMS change", "embed s", "extract s"),
     )
-    note = "“Attacked” pools all attacks alike; intervals count models, not trials. Times are medians."
+    note = (
+        "“Attacked” pools all attacks alike; intervals count models, not trials. False alarms are those of all "
+        "budgets together. Times are medians."
+    )
     return Table("At a glance", columns, tuple(rows), note)
 
 

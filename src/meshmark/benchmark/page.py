@@ -48,13 +48,15 @@ def _section(section: Section, command: str) -> str:
     words = "".join(f"<p>{_prose(text)}</p>" for text in section.words)
     parts = ""
     for folded, run in groupby(section.parts, key=lambda part: part.folded):
-        shown = [_table(part, command) if isinstance(part, Table) else _plot(part, command) for part in run]
-        parts += _group(shown) if folded and len(shown) > _MANY else "".join(shown)
+        held = list(run)
+        shown = "".join(_table(p, command) if isinstance(p, Table) else _plot(p, command) for p in held)
+        parts += _group(held, shown) if folded and len(held) > _MANY else shown
     return f'\n<section id="{section.name}"{kind}><h2>{escape(section.title)}</h2>{words}{parts}</section>'
 
 
-def _group(shown: Sequence[str]) -> str:
-    return f'\n<details class="group"><summary>{len(shown)} more</summary>{"".join(shown)}</details>'
+def _group(held: Sequence[Table | Plot], shown: str) -> str:
+    words = f"{len(held)} more, from “{held[0].title}” to “{held[-1].title}”"
+    return f'\n<details class="group"><summary>{escape(words)}</summary>{shown}</details>'
 
 
 def _table(table: Table, command: str) -> str:

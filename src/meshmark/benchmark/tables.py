@@ -121,9 +121,9 @@ def alarm_table(figures: Sequence[Alarms]) -> Table:
             Cell(item.size_class),
             Cell(str(item.trials)),
             Cell(str(item.found), heat=None if not item.trials else 1.0 - min(1.0, item.found / item.trials)),
-            Cell(percent(item.limit, 2)),
+            Cell(percent(item.limit, 1 if item.limit > 0.01 else 3)),
             _chance(item.ber),
-            Cell(NOTHING if item.least is None else f"10^{item.least:.2g}".replace("-", "−")),
+            Cell(_power(item.least)),
             _count(item.not_read),
         )
         for item in figures
@@ -166,7 +166,7 @@ def speed_table(figures: Sequence[Speed]) -> Table:
         (
             Cell(item.scheme),
             Cell(item.budget),
-            Cell(item.size_class, f"median {number(item.points, 4)}"),
+            Cell(item.size_class, f"median {item.points:,.0f}"),
             Cell(str(item.models)),
             *(Cell(number(value)) for value in (item.embed, item.extract, item.file)),
             Cell(number(item.vertices_per_second)),
@@ -254,6 +254,12 @@ def _measure(name: str, item: Distortion | None) -> Cell:
 def _growth(item: Speed) -> str:
     parts = (item.embed_growth, item.extract_growth)
     return NOTHING if parts == (None, None) else " / ".join(number(value, 2) for value in parts)
+
+
+def _power(exponent: float | None) -> str:
+    if exponent is None:
+        return NOTHING
+    return "1" if exponent == 0.0 else f"10^{exponent:.1f}".replace("-", "−")
 
 
 def _count(value: int) -> Cell:
