@@ -13,6 +13,7 @@ MEASUREMENTS = (
     "clean_channel",
     "false_positives",
     "code",
+    "demodulator",
     "metrics_validation",
 )
 

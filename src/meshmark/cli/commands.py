@@ -14,6 +14,7 @@ from meshmark.cli.info import info
 from meshmark.cli.keygen import keygen
 from meshmark.cli.saliency import saliency
 from meshmark.cli.segment import segment
+from meshmark.cli.train import train
 
 __all__ = ["COMMANDS"]
 
@@ -28,5 +29,6 @@ COMMANDS: dict[str, Callable[..., int]] = {
     "segment": segment,
     "info": info,
     "bench": bench,
+    "train": train,
     "demo": demo,
 }
