@@ -24,6 +24,8 @@ __all__ = ["Registered", "register"]
 
 KEPT = 5
 """Poses returned at most."""
+# What is left over, in units of the reference's scale, halves the quality when it is this large.
+COMMON_RMS = 0.03
 # Fewer landmarks than this determine nothing.
 FEWEST = 20
 # What explains this share of what it could, with no more than this left over, needs no (further) search; a lower
@@ -40,8 +42,9 @@ APPROACHED, SETTLED = 10, 3
 WORTHWHILE = 0.5
 # Poses closer than this are one: before and after refinement, in units of the reference's scale.
 NEAR, SAME = 0.1, 0.02
-# A pose this uncertain along some direction, in units of the reference's scale, is not determined.
-MOST_DOUBT = 0.012
+# A pose this uncertain along some direction, in units of the reference's scale, is not determined: by the whole
+# reference, and by what is left of it on a suspect, where a coarse answer still helps.
+MOST_DOUBT, MOST_DOUBT_LEFT = 0.012, 0.02
 # Scales of the reference over the suspect's own: what is left of a cropped model can be much smaller.
 SCALES = (1.0, 1.2, 1.45, 1.75, 2.1, 0.85)
 SCALES_FROM, SCALES_TO = 0.4, 4.0
@@ -52,7 +55,7 @@ SAME_SCALE = 0.05
 class Registered:
     """A pose (reference's canonical coordinates -> suspect's scene) and how good it is.
 
-    quality:   0 to 1, `explained` times the root of `share`.
+    quality:   0 to 1, `explained` times the root of `share`, less where `rms` is large.
     share:     of the landmarks that find their place on the suspect, 0 to 1.
     explained: of the suspect's surface that lies where the landmarks say, 0 to 1; 1 is what can be expected.
     rms:       what is left between landmarks and surface, in units of the reference's scale.
@@ -73,7 +76,7 @@ def register(landmarks: Landmarks, home: Frame, suspect: Surface) -> list[Regist
     home: the reference's frame in its own scene. Empty where nothing fits, or where the surface does not
     determine a pose (a plane, a sphere).
     """
-    if len(landmarks) < FEWEST or not (_determined(landmarks) and _determined(suspect.judges)):
+    if len(landmarks) < FEWEST or not _determined(landmarks, suspect.judges):
         return []
     found = _refined(landmarks, suspect, list(_guesses(home, suspect.frame)))
     if not _sure(found):
@@ -86,8 +89,9 @@ def register(landmarks: Landmarks, home: Frame, suspect: Surface) -> list[Regist
     return [replace(fit, pose=to_scene.after(fit.pose)) for fit in found[:KEPT]]
 
 
-def _determined(pieces: Landmarks | Surfels) -> bool:
-    return doubt(pieces.places, pieces.normals) < MOST_DOUBT
+def _determined(landmarks: Landmarks, judges: Surfels) -> bool:
+    whole = doubt(landmarks.places, landmarks.normals)
+    return whole < MOST_DOUBT and doubt(judges.places, judges.normals) < MOST_DOUBT_LEFT
 
 
 def _sure(found: list[Registered]) -> bool:
@@ -135,11 +139,12 @@ def _refined(landmarks: Landmarks, suspect: Surface, poses: list[Similarity]) ->
 
 def _settled(landmarks: Landmarks, suspect: Surface, pose: Similarity) -> Registered | None:
     fit = settle(landmarks, suspect.coarse, suspect.fine, pose)
-    if not (fit.doubt < MOST_DOUBT and SCALES_FROM < fit.pose.scale < SCALES_TO):
+    if not (fit.doubt < MOST_DOUBT_LEFT and SCALES_FROM < fit.pose.scale < SCALES_TO):
         return None
     share, explained = _judged(landmarks, suspect, fit.pose)
     rms = float(np.sqrt(fit.weights @ fit.heights**2 / fit.weights.sum()))
-    return Registered(fit.pose, _quality(share, explained), share, explained, rms, fit.doubt)
+    quality = _quality(share, explained) / (1.0 + (rms / COMMON_RMS) ** 2)
+    return Registered(fit.pose, quality, share, explained, rms, fit.doubt)
 
 
 def _ranked(
