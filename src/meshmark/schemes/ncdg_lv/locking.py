@@ -13,6 +13,7 @@ from meshmark.carriers.lock import LockSearch
 from meshmark.carriers.nodes import find_nodes
 from meshmark.carriers.pose import Pose, pose_gradient
 from meshmark.carriers.quantisation import bit_phase, log10_lock_chance
+from meshmark.carriers.selection import select_cells
 from meshmark.coding.keys import Key
 from meshmark.geometry.frame import Frame, canonical_frame, frame_alternatives
 from meshmark.geometry.sampling import Samples, plan_samples
@@ -21,6 +22,7 @@ from meshmark.mesh import FloatArray
 from meshmark.schemes.ncdg_lv.parameters import (
     CARRIER_ENOUGH,
     CARRIER_READABLE,
+    EXTRACT_SELECTION,
     LOCK_CANDIDATES,
     LOCK_EXPECTED,
     LOCK_RADIUS,
@@ -29,7 +31,7 @@ from meshmark.schemes.ncdg_lv.parameters import (
     SURELY_SKEW,
     preferred_spacings,
 )
-from meshmark.schemes.ncdg_lv.reading import Reading, place, read_cells
+from meshmark.schemes.ncdg_lv.reading import Reading, place
 from meshmark.schemes.ncdg_lv.restoration import Restoration, restorations
 
 __all__ = ["locked_readings"]
@@ -76,6 +78,7 @@ class _Shapes:
         self._faces = surface.faces
         self._frames: dict[int, tuple[FloatArray, Frame]] = {}
         self._samples: dict[tuple[int, float], Samples] = {}
+        self._cells: dict[tuple[int, float, bytes], Cells] = {}
 
     def frame(self, points: FloatArray) -> Frame:
         """Return the canonical frame of a shape."""
@@ -91,14 +94,27 @@ class _Shapes:
             self._samples[name] = plan_samples(canonical, self._faces, LONGEST_SAMPLE * spacing)(canonical)
         return self._samples[name]
 
+    def cells(self, points: FloatArray, lattice: Lattice, turned: Frame) -> Cells:
+        """Return all cells of a shape, its frame turned as `turned` is."""
+        pose = self._pose(points, turned)
+        name = id(points), lattice.spacing, (np.round(pose.turn) + 0.0).tobytes()
+        if name not in self._cells:
+            self._cells[name] = place(self.samples(points, lattice.spacing), lattice, pose)
+        return self._cells[name]
+
+    def carriers(self, points: FloatArray, lattice: Lattice, turned: Frame) -> Cells:
+        """Return those cells of a shape that may carry."""
+        cells = self.cells(points, lattice, turned)
+        return cells.take(select_cells(cells, EXTRACT_SELECTION))
+
     def response(self, restoration: Restoration, lattice: Lattice, turned: Frame) -> _Response:
         """Measure a restoration in the middle of what is expected."""
         first, *others = restoration.shapes
-        start = read_cells(self.samples(first, lattice.spacing), lattice, self._pose(first, turned))
+        start = self.carriers(first, lattice, turned)
         seen = np.ones(len(start.nodes), dtype=bool)
         changes = []
         for other in others:
-            cells = place(self.samples(other, lattice.spacing), lattice, self._pose(other, turned))
+            cells = self.cells(other, lattice, turned)
             row = find_nodes(cells.nodes, start.nodes)
             seen &= row >= 0
             changes.append(cells.offset[row] - start.offset)
@@ -123,9 +139,8 @@ def _spacings(
 ) -> Iterator[float]:
     """Yield the first spacing with carriers enough, or all such; none where the shape has fallen apart."""
     for spacing in preferred_spacings(frame.area):
-        samples = shapes.samples(restoration.shapes[0], spacing)
-        count = len(read_cells(samples, Lattice.keyed(key, spacing), Pose.turned(np.eye(3))).nodes)
-        if count < CARRIER_ENOUGH:
+        carriers = shapes.carriers(restoration.shapes[0], Lattice.keyed(key, spacing), frame)
+        if len(carriers.nodes) < CARRIER_ENOUGH:
             continue
         yield spacing
         if not wide:
