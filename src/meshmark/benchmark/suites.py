@@ -63,17 +63,8 @@ SUITES: dict[str, Suite] = {
         ("standard",),
         (
             Part(("none", "similarity:1", "shuffle:1", "float32:1", "file_obj:1", "midpoint:1")),
-            Part(
-                (
-                    "noise:0.001",
-                    "smoothing:5",
-                    "quantisation:11",
-                    "simplification:0.5",
-                    "crop:0.03",
-                    "mirror:1",
-                )
-            ),
-            Part(("none",), "wrong key", 5),
+            Part(("noise:0.001", "smoothing:5", "quantisation:11", "simplification:0.5", "crop:0.03")),
+            Part(("none",), "wrong key", 4),
             Part(("none", "noise:0.003"), "unmarked"),
         ),
     ),
