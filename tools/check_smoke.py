@@ -29,6 +29,7 @@ def violations(table: Table) -> Iterator[str]:
     for row in table:
         if row["status"] != "ok":
             yield f"{named(row)} is {row['status']}: {row['note']}"
+    table = [row for row in table if row["status"] == "ok"]
     marked = [row for row in table if row["trial"] == "marked"]
     for attack in HARMLESS:
         rows = [row for row in marked if row["attack"] == attack]
