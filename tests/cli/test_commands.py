@@ -138,7 +138,12 @@ def test_compare_gives_the_fields_of_the_contract(cli, files):
     assert fields.keys() >= COMPARE
     assert fields["rms_over_diagonal"] == pytest.approx(files.printed["rms_over_diagonal"], rel=1e-6)
     assert fields["psnr_db"] == pytest.approx(files.printed["psnr_db"], abs=1e-4)
-    assert "PSNR" in cli("compare", files.model, files.marked).out
+    assert None not in fields.values()
+    words = cli("compare", files.model, files.marked).out
+    assert {line.split("  ")[0] for line in words.splitlines()} == {
+        "vertices, RMS", "vertices, largest", "surfaces, RMS", "surfaces, largest", "PSNR", "PSNR, paper", "MSDM2, 0 to 1",
+        "normals, degrees",
+    }  # fmt: skip
 
 
 def test_compare_of_equal_models_is_json_without_infinity(cli, files):
@@ -151,7 +156,8 @@ def test_compare_of_other_vertex_counts_says_null(cli, files, tmp_path):
     (tmp_path / "t.off").write_text("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
     ran = cli("compare", files.model, tmp_path / "t.off", "--json")
     assert ran.code == 0
-    assert only_object(ran.out)["max_over_diagonal"] is None
+    fields = only_object(ran.out)
+    assert {name for name in COMPARE if fields[name] is None} == {"rms_over_diagonal", "max_over_diagonal"}
     assert "25,178" in cli("compare", files.model, tmp_path / "t.off").out
 
 

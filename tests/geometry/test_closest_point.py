@@ -7,6 +7,7 @@ import pytest
 import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
 from meshmark.errors import InputError
 from meshmark.geometry.closest_point import SurfaceIndex
@@ -137,3 +138,22 @@ def test_inputs_stay_as_they_are():
     for array in (points, faces, queries):
         array.setflags(write=False)
     SurfaceIndex(points, faces).nearest(queries)
+
+
+def test_a_shared_place_belongs_to_the_first_face_there_however_the_model_is_turned():
+    points, faces = pebble(24)
+    random = np.random.default_rng(4)
+    edges = points[faces[::7, :2]].mean(axis=1)
+    queries = np.concatenate([points, edges, 1.5 * points])
+    plain = SurfaceIndex(points, faces).nearest(queries)
+    assert np.array_equal(
+        plain.faces[: len(points)], [np.flatnonzero((faces == i).any(1))[0] for i in range(len(points))]
+    )
+    for row, (start, end) in enumerate(faces[::7, :2]):
+        both = (faces == start).any(axis=1) & (faces == end).any(axis=1)
+        assert plain.faces[len(points) + row] == np.flatnonzero(both)[0]
+    turn = Rotation.random(random_state=random).as_matrix()
+    turned = SurfaceIndex(points @ turn, faces).nearest(queries @ turn)
+    assert np.mean(turned.faces == plain.faces) > 0.99  # but for places within rounding of an edge
+    again = np.einsum("nc,nck->nk", plain.weights, points[faces[plain.faces]])
+    assert again == pytest.approx(plain.points, abs=1e-13)

@@ -166,7 +166,8 @@ def test_broken_places_count_as_no_curvature():
 def test_many_points_are_judged_by_some_of_them(monkeypatch):
     a, b = PEBBLE, rough(PEBBLE, 0.01)
     every = msdm2(a, b)
-    monkeypatch.setattr(module, "MOST_WINDOWS", 100)
+    monkeypatch.setattr(module, "MOST_WINDOWS", 200)
+    monkeypatch.setattr(module, "SOME_WINDOWS", 100)
     assert msdm2(a, b) == pytest.approx(every, rel=0.05)
     assert len(msdm2_map(a, b)) == len(b.vertices)
 

@@ -26,8 +26,8 @@ def compare(
 
     Vertices: distances between those of equal number, in shares of A's bounding-box diagonal; models with
     different counts have none, and JSON then says null.
-    Surfaces: distances whatever the triangles, the larger of both directions; then how visible the difference
-    is (MSDM2, 0 to 1) and how far normals turned.
+    Surfaces: distances whatever the triangles, the larger of both directions. MSDM2: how visible the change is
+    to one who knows A, 0 to 1. Normals: the mean angle between them at matched points.
     PSNR is that of the vertices, or where the counts differ, of the surfaces.
     """
     from meshmark.io import read_mesh
@@ -53,8 +53,8 @@ def _words(result: Comparison, counts: tuple[int, int]) -> str:
         ("surfaces, largest", _share(result.hausdorff_over_diagonal)),
         ("PSNR", _decibels(result.psnr_db)),
         ("PSNR, paper", _decibels(result.paper_psnr_db, " (eq. 17, longest side scaled to 1)")),
-        ("MSDM2", _number(result.msdm2, ".3f", " (0: looks the same, 1: nothing alike)")),
-        ("normals turned", _number(result.normal_deviation_deg, ".3g", " degrees on average")),
+        ("MSDM2, 0 to 1", _number(result.msdm2, ".3f")),
+        ("normals, degrees", _number(result.normal_deviation_deg, ".3g")),
     )
     if result.mrms_over_diagonal is None:
         lines.append("A model has no surface: distances between surfaces are not defined.")
@@ -71,5 +71,5 @@ def _decibels(value: float | None, remark: str = "") -> str:
     return _number(value, ".2f", " dB" + remark)
 
 
-def _number(value: float | None, form: str, remark: str) -> str:
+def _number(value: float | None, form: str, remark: str = "") -> str:
     return "" if value is None else f"{value:{form}}{remark}"

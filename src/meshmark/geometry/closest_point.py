@@ -11,6 +11,7 @@ from meshmark.errors import InputError
 from meshmark.geometry.blocks import blocks
 from meshmark.geometry.box_tree import BRANCHES, ROUNDING, BoxLevel, box_levels, level_bounds
 from meshmark.geometry.point_triangle import Triangles
+from meshmark.geometry.shared_places import SharedPlaces
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["Nearest", "SurfaceIndex"]
@@ -28,7 +29,7 @@ GUESS_EVERY = 3
 class Nearest:
     """The closest point on the surface to each of n queries.
 
-    distances: (n,); faces: (n,) index of a face that holds the point; weights: (n, 3) barycentric coordinates in
+    distances: (n,); faces: (n,) the first face that holds the point; weights: (n, 3) barycentric coordinates in
     that face, none negative; points: (n, 3).
     """
 
@@ -58,6 +59,7 @@ class SurfaceIndex:
         self._order, self._levels = box_levels(self._triangles)
         middles = self._triangles.corner + (self._triangles.first + self._triangles.second) / 3.0
         self._middles = cKDTree(middles)
+        self._shared = SharedPlaces(faces)
 
     def nearest(self, queries: FloatArray) -> Nearest:
         """Return the closest point to each query, shape (n, 3)."""
@@ -74,6 +76,7 @@ class SurfaceIndex:
         weights = np.column_stack([np.maximum(1.0 - shares.sum(axis=1), 0.0), shares])
         corners = self._faces[faces]
         points = sum(weights[:, i, None] * self._points[corners[:, i]] for i in range(3))
+        self._shared.settle(faces, weights)
         return Nearest(distances, faces, weights, np.asarray(points).reshape(-1, 3))
 
 
