@@ -86,7 +86,9 @@ def test_the_tour_runs_and_prints_what_the_readme_shows(tmp_path, monkeypatch, c
 
 def blurred(text: str) -> list[str]:
     """Return the lines of an output without the numbers that depend on the key drawn."""
-    return re.sub(r"(?<![\w.])\d+(\.\d+)?(?= ?%| dB|\.|$)|(?<=\^-)\d+", "#", text.strip()).splitlines()
+    return re.sub(
+        r"(?<![\w.])\d+(\.\d+)?(?= ?%| dB|\.|$)|(?<=\^-)\d+", "#", text.strip(), flags=re.MULTILINE
+    ).splitlines()
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda path: str(path.relative_to(ROOT)))

@@ -30,8 +30,8 @@ def msdm2(a: Mesh, b: Mesh) -> float:
 
     a: the original; b: the degraded model, whose vertices are judged and matched to the closest points of `a`.
     The value is the 3rd-power mean over the points of the surface of `b`; swapped arguments give another value.
-    Coincident vertices are one point. Above 60,000 points 20,000 of them are judged. Raises `InputError` where a model has no triangle with three different
-    corners.
+    Coincident vertices are one point. Above 60,000 points 20,000 of them are judged. Raises `InputError` where a
+    model has no triangle with three different corners.
     """
     original, judged = surface_of(a), surface_of(b)
     chosen = np.unique(judged.faces)
