@@ -15,7 +15,8 @@ import numpy as np
 from meshmark.attacks import find_attack
 from meshmark.carriers.cells import Cells
 from meshmark.carriers.lattice import CellKeys, Lattice
-from meshmark.carriers.pose import Pose, pose_gradient
+from meshmark.carriers.nodes import find_nodes
+from meshmark.carriers.pose import POSE_SIZE, Pose, pose_gradient
 from meshmark.carriers.quantisation import bit_phase, lock_score
 from meshmark.carriers.relief import Relief, measure_relief
 from meshmark.coding.codec import Codec
@@ -30,7 +31,7 @@ from meshmark.schemes.ncdg_lv.embedding import embed
 from meshmark.schemes.ncdg_lv.extraction import find
 from meshmark.schemes.ncdg_lv.parameters import CARRIER_READABLE, LONGEST_SAMPLE
 from meshmark.schemes.ncdg_lv.reading import read_cells
-from meshmark.schemes.ncdg_lv.restoration import restorations
+from meshmark.schemes.ncdg_lv.restoration import Restoration, restorations
 from meshmark.schemes.ncdg_lv.settling import settled, settled_phase
 
 __all__ = ["ATTACKED", "Marked", "Trial", "mark", "trials"]
@@ -48,11 +49,12 @@ ATTACKED: Final = (
     ("quantisation", 7.0),
     ("simplification", 0.95),
 )
-# Between two restored shapes, these shares of the way are read.
-SHARES: Final = (0.0, 0.5)
 # How well the lock finds the frame: shift and scale, turn; canonical units. A reading starts this far off.
 POSE_EXPECTED: Final = np.array([5e-3, 5e-3, 5e-3, 5e-3, 6e-3, 6e-3, 6e-3])
 POSE_OFF: Final = 0.1
+LOCK_PASSES: Final = 2
+# A step towards another shape from which the answer of the offsets is taken.
+HALF: Final = 0.5
 # With more errors than this the frame was not found, and the reading shows nothing.
 LOST: Final = 0.36
 
@@ -68,6 +70,14 @@ class Marked:
     codec: Codec
     bits: Bits
     identity: int
+
+    def keys(self, cells: Cells) -> CellKeys:
+        """Return what the key says of these cells."""
+        return self.lattice.keys(cells.nodes, self.codec.n)
+
+    def phase(self, cells: Cells) -> FloatArray:
+        """Return the phases (n,) of these cells."""
+        return bit_phase(cells.offset, self.keys(cells).dither, self.step)
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,59 +117,88 @@ def trials(
     """Yield for each attack the readings, of the shape as it is and as restored, that find the mark."""
     for name, strength in attacks:
         surface = weld(find_attack(name)(marked.mesh, strength, rng))
-        start = Pose.turned(np.eye(3)).then(POSE_OFF * POSE_EXPECTED * rng.normal(size=len(POSE_EXPECTED)))
-        shapes = list(_shapes(surface))
-        scores = [_score(marked, shape, surface, start) for shape in shapes]
+        off = POSE_OFF * POSE_EXPECTED * rng.normal(size=POSE_SIZE)
+        starts = [_Shape(surface, restoration, off) for restoration in restorations(surface, False)]
+        scores = [start.score(marked) for start in starts]
         for index in sorted({0, int(np.argmax(scores))}):
-            trial = _trial(marked, shapes[index], surface, start, name, strength)
+            trial = _trial(marked, starts[index], name, strength)
             if trial is not None:
                 yield trial
 
 
-def _shapes(surface: Welded) -> Iterator[FloatArray]:
-    """Yield points (p, 3) as they are, then as restorations make them."""
-    for restoration in restorations(surface, False):
+class _Shape:
+    """A restoration of an attacked model: how far towards its other shapes, and in which pose."""
+
+    def __init__(self, surface: Welded, restoration: Restoration, off: FloatArray) -> None:
+        self._faces = surface.faces
         first, *others = restoration.shapes
-        for share in SHARES if others else (0.0,):
-            yield first + share * sum((other - first for other in others), np.zeros_like(first))
+        self._first, self._ways = first, [other - first for other in others]
+        self._expected = np.concatenate([POSE_EXPECTED, restoration.expected])
+        self._shares = np.array(restoration.middle)
+        self._pose = Pose.turned(np.eye(3)).then(off)
+
+    def cells(self, marked: Marked) -> Cells:
+        """Read the cells of the shape as it stands."""
+        return self._read(marked, self._points())
+
+    def score(self, marked: Marked) -> float:
+        """Return how far the lock stands out, in standard deviations."""
+        cells = self.cells(marked)
+        if len(cells.nodes) < CARRIER_READABLE:
+            return -np.inf
+        phase = marked.phase(cells)
+        response = self._response(marked, cells)
+        phase = phase + response @ self._correction(phase, response)
+        return float(lock_score(phase)) / float(np.sqrt(len(phase) / 2.0))
+
+    def lock(self, marked: Marked, cells: Cells) -> None:
+        """Correct shares and pose as the lattice lock does, given the cells of the shape as it stands."""
+        correction = self._correction(marked.phase(cells), self._response(marked, cells))
+        self._pose = self._pose.then(correction[:POSE_SIZE])
+        self._shares = self._shares + correction[POSE_SIZE:]
+
+    def relief(self, marked: Marked, cells: Cells) -> Relief:
+        """Measure the relief around the cells."""
+        canonical = marked.frame.to_canonical(self._points())
+        placed = self._pose.scale * canonical @ self._pose.turn + self._pose.shift
+        return measure_relief(marked.lattice.coordinates(placed), self._faces, cells)
+
+    def _points(self) -> FloatArray:
+        return self._first + sum(
+            (share * way for share, way in zip(self._shares, self._ways, strict=True)),
+            np.zeros_like(self._first),
+        )
+
+    def _read(self, marked: Marked, points: FloatArray) -> Cells:
+        placed = marked.frame.to_canonical(points)
+        samples = plan_samples(placed, self._faces, LONGEST_SAMPLE * marked.lattice.spacing)(placed)
+        return read_cells(samples, marked.lattice, self._pose)
+
+    def _response(self, marked: Marked, cells: Cells) -> FloatArray:
+        """Return the change of the phases (n, d) per unit of each part of a correction."""
+        columns = [pose_gradient(cells, marked.lattice)]
+        for way in self._ways:
+            after = self._read(marked, self._points() + HALF * way)
+            row = find_nodes(after.nodes, cells.nodes)
+            change = np.where(row >= 0, after.offset[row] - cells.offset, 0.0)
+            columns.append(change[:, None] / HALF)
+        return np.asarray(2.0 * np.pi / marked.step * np.hstack(columns))
+
+    def _correction(self, phase: FloatArray, response: FloatArray) -> FloatArray:
+        return self._expected * settled(
+            2.0 * phase, 2.0 * response * self._expected, np.ones(response.shape[1])
+        )
 
 
-def _cells(marked: Marked, points: FloatArray, surface: Welded, pose: Pose) -> tuple[Cells, CellKeys]:
-    placed = marked.frame.to_canonical(points)
-    samples = plan_samples(placed, surface.faces, LONGEST_SAMPLE * marked.lattice.spacing)(placed)
-    cells = read_cells(samples, marked.lattice, pose)
-    return cells, marked.lattice.keys(cells.nodes, marked.codec.n)
-
-
-def _correction(marked: Marked, cells: Cells, phase: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the small pose (7,) that the lock adds, and the phases with it."""
-    response = 2.0 * np.pi / marked.step * pose_gradient(cells, marked.lattice)
-    pose = settled(2.0 * phase, 2.0 * response, POSE_EXPECTED)
-    return pose, np.asarray(phase + response @ pose)
-
-
-def _score(marked: Marked, points: FloatArray, surface: Welded, pose: Pose) -> float:
-    """Return how far the lock stands out, in standard deviations."""
-    cells, keys = _cells(marked, points, surface, pose)
-    if len(cells.nodes) < CARRIER_READABLE:
-        return -np.inf
-    _, phase = _correction(marked, cells, bit_phase(cells.offset, keys.dither, marked.step))
-    return float(lock_score(phase)) / float(np.sqrt(len(phase) / 2.0))
-
-
-def _trial(
-    marked: Marked, points: FloatArray, surface: Welded, pose: Pose, name: str, strength: float
-) -> Trial | None:
-    for _ in range(2):
-        cells, keys = _cells(marked, points, surface, pose)
+def _trial(marked: Marked, shape: _Shape, name: str, strength: float) -> Trial | None:
+    for _ in range(LOCK_PASSES):
+        cells = shape.cells(marked)
         if len(cells.nodes) < CARRIER_READABLE:
             return None
-        small, _ = _correction(marked, cells, bit_phase(cells.offset, keys.dither, marked.step))
-        pose = pose.then(small)
-    cells, keys = _cells(marked, points, surface, pose)
-    placed = pose.scale * marked.frame.to_canonical(points) @ pose.turn + pose.shift
-    relief = measure_relief(marked.lattice.coordinates(placed), surface.faces, cells)
-    phase = bit_phase(cells.offset, keys.dither, marked.step)
+        shape.lock(marked, cells)
+    cells = shape.cells(marked)
+    keys = marked.keys(cells)
+    phase, relief = marked.phase(cells), shape.relief(marked, cells)
     targets = 1.0 - 2.0 * marked.bits[keys.code_index].astype(np.float64)
     if np.mean(np.cos(settled_phase(phase, cells, marked.step, relief)) * targets < 0.0) > LOST:
         return None
