@@ -38,7 +38,7 @@ def test_the_grid_search_is_the_plain_search():
     """All sums of two halves, one matrix product, against every grid point in turn."""
     psi, gradient, _ = problem(3, cells=40)
     response = gradient * EXPECTED
-    grid = module._plan(response, 1.5)
+    grid = module._plan(response, 1.5, module.MOST)
     one, two = grid.halves
     sums = [
         (p + q, a * a + b * b)

@@ -73,3 +73,28 @@ def test_alternatives_are_the_four_proper_sign_patterns_and_exchanges_only_where
 def test_no_area_is_refused_in_one_sentence():
     with pytest.raises(InputError, match="zero area"):
         canonical_frame(np.array([[0.0, 0, 0], [1, 0, 0], [2, 0, 0]]), np.array([[0, 1, 2]]))
+
+
+def test_skewness_is_the_normalised_third_moment_and_knows_no_unit():
+    points, faces = pebble(48)
+    frame = canonical_frame(points, faces)
+    canonical = frame.to_canonical(points)
+    corners = canonical[faces]
+    areas = 0.5 * np.linalg.norm(
+        np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
+    )
+    middles = corners.mean(axis=1)
+    third = (areas[:, None] * middles**3).sum(axis=0) / areas.sum()
+    np.testing.assert_allclose(frame.skewness, np.abs(third) / frame.moments**1.5, atol=0.01)
+    assert frame.skewness.max() > 0.1
+    np.testing.assert_allclose(
+        canonical_frame(37.0 * points + 5.0, faces).skewness, frame.skewness, rtol=1e-6
+    )
+
+
+def test_surely_skew_axes_are_not_turned_round():
+    points, faces = pebble(48)
+    frame = canonical_frame(points, faces)
+    (only,) = frame_alternatives(frame, surely_skew=1e-9)
+    np.testing.assert_array_equal(only.axes, frame.axes)
+    assert len(list(frame_alternatives(frame, surely_skew=10.0))) == 4

@@ -25,7 +25,7 @@ __all__ = ["Lock", "LockSearch"]
 # Neighbouring points of the grid differ by so many radians (RMS over cells) in each direction. Half of that in
 # seven directions leaves a score of about 0.6 of the peak's.
 GRID = 1.3
-# Most points of a grid; with more the ball shrinks.
+# Grid points at most, where the caller does not say.
 MOST = 30_000
 ROWS, COLUMNS = 512, 4096
 ROUNDING = 1e-9
@@ -55,13 +55,21 @@ class LockSearch:
 
     psi: (n,) doubled phases in radians; gradient: (n, d) their change per unit of each part of the correction;
     expected: (d,) standard deviation of each part; radius: of the ball searched, in standard deviations.
+    most: grid points at most; where there were more, the ball shrinks.
     """
 
-    def __init__(self, psi: FloatArray, gradient: FloatArray, expected: FloatArray, radius: float) -> None:
+    def __init__(
+        self,
+        psi: FloatArray,
+        gradient: FloatArray,
+        expected: FloatArray,
+        radius: float,
+        most: int = MOST,
+    ) -> None:
         response = gradient * expected
         _, turn = np.linalg.eigh(response.T @ response)
         self._psi, self._response, self._back = psi, response @ turn, expected[:, None] * turn
-        self._grid = _plan(self._response, radius)
+        self._grid = _plan(self._response, radius, most)
 
     @property
     def tried(self) -> float:
@@ -104,7 +112,7 @@ class _Grid:
     size: int
 
 
-def _plan(response: FloatArray, radius: float) -> _Grid:
+def _plan(response: FloatArray, radius: float, most: int) -> _Grid:
     """Lay the grid over the ball; shrink the ball until the points are few enough."""
     spread = np.sqrt(np.mean(response**2, axis=0))
     while True:
@@ -112,7 +120,7 @@ def _plan(response: FloatArray, radius: float) -> _Grid:
         # A ball fills less and less of its cube: 0.16 in four directions, 0.037 in seven.
         active = int((reach > 0).sum())
         filled = np.pi ** (active / 2) / gamma(active / 2 + 1) / 2.0**active
-        if np.prod(2.0 * reach + 1.0) * filled <= MOST:
+        if np.prod(2.0 * reach + 1.0) * filled <= most:
             break
         radius *= 0.95
     order = np.argsort(-reach, kind="stable")

@@ -20,6 +20,7 @@ __all__ = ["Frame", "canonical_frame", "frame_alternatives", "surface_moments"]
 
 # Axes whose second moments differ by less than this share of their sum may change places under an attack.
 SWAP_GAP = 0.04
+SIGNS = ((1, 1, 1), (-1, -1, 1), (-1, 1, -1), (1, -1, -1))
 # Second moments along an axis count as at least this share of their sum, for a flat model's skewness.
 FLAT = 1e-6
 # Models below this size, or above its inverse, are refused.
@@ -121,7 +122,7 @@ def canonical_frame(points: FloatArray, faces: IntArray) -> Frame:
     axes = np.ascontiguousarray(axes)
     moments = values / values.sum()
     # `_third_moments` leaves out a factor of 10.
-    skewness = np.abs(third) / (10.0 * area / scale**2) / np.maximum(moments, FLAT) ** 1.5
+    skewness = np.abs(third) / (10.0 * area) / np.maximum(moments, FLAT) ** 1.5
     return Frame(middle + size * centre, size * scale, axes, moments, area / scale**2, skewness)
 
 
@@ -141,7 +142,8 @@ def frame_alternatives(frame: Frame, exchange: bool = False, surely_skew: float 
         axes = frame.axes[:, list(order)]
         if np.linalg.det(axes) < 0.0:
             axes = axes * np.array([1.0, 1.0, -1.0])
-        for signs in ((1, 1, 1), (-1, -1, 1), (-1, 1, -1), (1, -1, -1)):
+        # What takes the least skew axes to turn round comes first.
+        for signs in sorted(SIGNS, key=lambda signs: float(frame.skewness @ (np.array(signs) < 0))):
             flipped = np.array(signs) < 0
             if order == (0, 1, 2) and (flipped & sure).any():
                 continue

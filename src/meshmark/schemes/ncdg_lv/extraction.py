@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import log, log10
 from time import perf_counter
@@ -12,17 +12,20 @@ import numpy as np
 from meshmark.coding.codec import Codec, Decoded
 from meshmark.coding.keys import Key
 from meshmark.errors import InputError
-from meshmark.geometry.weld import weld
+from meshmark.geometry.weld import Welded, weld
 from meshmark.mesh import Mesh
-from meshmark.schemes.ncdg_lv.locking import locked_readings
-from meshmark.schemes.ncdg_lv.parameters import DECODE_LOG10, PRESENT_LOG10
+from meshmark.schemes.ncdg_lv.certificate import Certificate
+from meshmark.schemes.ncdg_lv.locking import locked_readings, registered_readings
+from meshmark.schemes.ncdg_lv.parameters import CREDIBLE_LOG10, DECODE_LOG10, PRESENT_LOG10
 from meshmark.schemes.ncdg_lv.reading import Reading, readings
+from meshmark.schemes.ncdg_lv.references import starting_frames
 from meshmark.schemes.ncdg_lv.results import Extraction
 from meshmark.schemes.ncdg_lv.threads import on_one_thread
 
 __all__ = ["SEARCHES", "Found", "extract", "find"]
 
 SEARCHES = ("quick", "wide")
+_MODES = {type(None): "blind", Certificate: "certificate", Mesh: "original"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,11 +47,15 @@ def extract(
     mesh: Mesh,
     key: Key,
     *,
+    reference: Certificate | Mesh | None = None,
     search: str = "quick",
     spacings: Sequence[float] | None = None,
     locking: bool = True,
 ) -> Extraction:
-    """Read the id from `mesh` with `key` alone.
+    """Read the id from `mesh` with `key` alone, or with a reference of the model besides.
+
+    reference: the certificate that was made at embedding, or the unmarked original; the mark is then also read
+    where they say that the suspect lies, which survives crops.
 
     search: "quick" tries the signs of the frame's axes, "wide" also exchanges axes that are nearly alike
     and reads every spacing instead of the first few.
@@ -59,8 +66,8 @@ def extract(
     start = perf_counter()
     if search not in SEARCHES:
         raise InputError(f"unknown search '{search}', expected one of {', '.join(SEARCHES)}")
-    found = find(mesh, key, search == "wide", spacings, locking)
-    return _result(found, Codec(key), perf_counter() - start)
+    found = find(mesh, key, search == "wide", spacings, locking, reference)
+    return _result(found, Codec(key), _MODES[type(reference)], perf_counter() - start)
 
 
 def find(
@@ -69,11 +76,13 @@ def find(
     wide: bool = False,
     spacings: Sequence[float] | None = None,
     locking: bool = True,
+    reference: Certificate | Mesh | None = None,
 ) -> Found:
     """Return the first reading that decodes, else the one with the best lock.
 
-    First the surface is read as it stands; readings whose lock stands out are decoded. Then, with `locking`, every
-    restoration of its shape is read with its frame corrected, and decoded whatever its lock.
+    First the surface is read as it stands; readings whose lock stands out are decoded. Then, where a reference says
+    and, with `locking`, in frames of its own, every restoration of its shape is read, its frame corrected, and
+    decoded whatever its lock.
     Neither choice depends on the message. The false-positive bound is the chance of the lock times that of the
     decoded word, times the hypotheses.
     """
@@ -86,6 +95,12 @@ def find(
         best = _better(best, reading)
         if reading.log10_chance <= DECODE_LOG10 and (found := _decoded(codec, reading)):
             return found
+    if reference is not None:
+        for reading in _registered(surface, key, codec.n, tried, reference):
+            tried += 1
+            best = _better(best, reading)
+            if found := _decoded(codec, reading):
+                return found
     for reading in locked_readings(surface, key, codec.n, tried, wide, spacings) if locking else ():
         best = _better(best, reading)
         if found := _decoded(codec, reading):
@@ -96,16 +111,34 @@ def find(
     return Found(best, None, bound <= PRESENT_LOG10, bound)
 
 
+def _registered(
+    surface: Welded, key: Key, code_length: int, tried: int, reference: Certificate | Mesh
+) -> Iterator[Reading]:
+    frames = starting_frames(surface, reference)
+    spacings = steps = None
+    if isinstance(reference, Certificate):
+        spacings, steps = (reference.spacing,), (reference.step,)
+    return registered_readings(surface, key, code_length, tried, frames, spacings, steps)
+
+
 def _better(one: Reading | None, other: Reading) -> Reading:
     return other if one is None or _lock_bound(other) < _lock_bound(one) else one
 
 
 def _decoded(codec: Codec, reading: Reading) -> Found | None:
-    decoded = codec.decode(reading.observed(codec.n))
-    bound = _log10_bound(reading.log10_chance + decoded.log10_chance, reading.hypotheses)
-    if decoded.id is None or bound > PRESENT_LOG10:
-        return None
-    return Found(reading, decoded, True, bound)
+    """Decode a reading, and, where its lock is credible, its complement.
+
+    A round shape half a step too large or too small locks as well, with every bit turned round.
+    """
+    observed = reading.observed(codec.n)
+    credible = reading.log10_chance + log10(reading.hypotheses) < CREDIBLE_LOG10
+    for signed in (observed, -observed) if credible else (observed,):
+        decoded = codec.decode(signed)
+        chance = reading.log10_chance + decoded.log10_chance + (log10(2.0) if credible else 0.0)
+        bound = _log10_bound(chance, reading.hypotheses)
+        if decoded.id is not None and bound <= PRESENT_LOG10:
+            return Found(reading, decoded, True, bound)
+    return None
 
 
 def _log10_bound(log10_chance: float, hypotheses: float) -> float:
@@ -121,22 +154,23 @@ def _lock_bound(reading: Reading) -> float:
     return _log10_bound(reading.log10_chance, reading.hypotheses)
 
 
-def _result(found: Found, codec: Codec, seconds: float) -> Extraction:
+def _result(found: Found, codec: Codec, mode: str, seconds: float) -> Extraction:
     reading, bound = found.reading, found.log10_false_positive
     if reading is None:
         advice = "The model has too few carriers to tell whether it is marked."
-        return Extraction("inconclusive", None, bound, "blind", 0, 0, 0.0, advice, seconds)
+        return Extraction("inconclusive", None, bound, mode, 0, 0, 0.0, advice, seconds)
     count = len(reading.phase)
     lock = reading.score / count
     if found.decoded is not None:
         bits = codec.encode(found.decoded.guess)[reading.keys.code_index]
         agreeing = int(((np.cos(reading.phase) < 0.0) == (bits == 1)).sum())
+        agreeing = max(agreeing, count - agreeing)
         advice = "The mark was read."
         if agreeing < 0.7 * count:
             advice = f"The mark was read, though only {agreeing} of its {count} places still agree."
         identity = found.decoded.id
-        return Extraction("present", identity, bound, "blind", count, agreeing, lock, advice, seconds)
+        return Extraction("present", identity, bound, mode, count, agreeing, lock, advice, seconds)
     presence, advice = "absent", "No mark of this key was found."
     if found.present:
         presence, advice = "present", "A mark of this key is there, but too damaged to read its id."
-    return Extraction(presence, None, bound, "blind", count, 0, lock, advice, seconds)
+    return Extraction(presence, None, bound, mode, count, 0, lock, advice, seconds)

@@ -3,38 +3,34 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 
-from meshmark.carriers.cells import Cells
 from meshmark.carriers.lattice import Lattice
 from meshmark.carriers.lock import LockSearch
-from meshmark.carriers.nodes import find_nodes
-from meshmark.carriers.pose import Pose, pose_gradient
 from meshmark.carriers.quantisation import bit_phase, log10_lock_chance
-from meshmark.carriers.selection import select_cells
 from meshmark.coding.keys import Key
-from meshmark.geometry.frame import Frame, canonical_frame, frame_alternatives
-from meshmark.geometry.sampling import Samples, plan_samples
+from meshmark.geometry.frame import Frame, frame_alternatives
 from meshmark.geometry.weld import Welded
-from meshmark.mesh import FloatArray
 from meshmark.schemes.ncdg_lv.parameters import (
     CARRIER_ENOUGH,
     CARRIER_READABLE,
-    EXTRACT_SELECTION,
+    CREDIBLE_LOG10,
     LOCK_CANDIDATES,
     LOCK_EXPECTED,
     LOCK_RADIUS,
     LOCK_STEPS,
-    LONGEST_SAMPLE,
+    LOCK_TURNS,
+    ORIGINAL_SPACINGS,
     SURELY_SKEW,
     preferred_spacings,
 )
-from meshmark.schemes.ncdg_lv.reading import Reading, place
+from meshmark.schemes.ncdg_lv.reading import Reading
 from meshmark.schemes.ncdg_lv.restoration import Restoration, restorations
+from meshmark.schemes.ncdg_lv.shapes import Response, Shapes
 
-__all__ = ["locked_readings"]
+__all__ = ["locked_readings", "registered_readings"]
 
 
 def locked_readings(
@@ -50,92 +46,45 @@ def locked_readings(
     already: readings that were tried before these and share their bound.
     """
     tried = already
-    shapes = _Shapes(surface)
+    shapes = Shapes(surface)
     for restoration in restorations(surface, wide):
         frame = shapes.frame(restoration.shapes[0])
         for spacing in _spacings(shapes, restoration, frame, key, wide) if spacings is None else spacings:
             lattice = Lattice.keyed(key, spacing)
-            for turned in frame_alternatives(frame, wide, SURELY_SKEW):
-                response = shapes.response(restoration, lattice, turned)
-                if len(response.cells.nodes) < CARRIER_READABLE:
-                    break
+            turns = frame_alternatives(frame, wide, SURELY_SKEW)
+            for turned in turns if wide else islice(turns, LOCK_TURNS):
                 tried += 1
-                yield from _locked(response, restoration, lattice, code_length, tried * (tried + 1))
+                yield from _locked(shapes, restoration, lattice, turned, LOCK_STEPS, code_length, tried)
 
 
-@dataclass(frozen=True, eq=False)
-class _Response:
-    """Cells, and the change of their offsets (n, d), in spacings, per unit of each part of a correction."""
+def registered_readings(
+    surface: Welded,
+    key: Key,
+    code_length: int,
+    already: int,
+    frames: Sequence[Frame],
+    spacings: Sequence[float] | None,
+    steps: Sequence[float] | None,
+) -> Iterator[Reading]:
+    """Yield corrected readings in frames that a reference gave, as `locked_readings` does in the suspect's own.
 
-    cells: Cells
-    gradient: FloatArray
-
-
-class _Shapes:
-    """Shapes of one suspect, each in the frame of its own; what was measured once is kept for the next."""
-
-    def __init__(self, surface: Welded) -> None:
-        self._faces = surface.faces
-        self._frames: dict[int, tuple[FloatArray, Frame]] = {}
-        self._samples: dict[tuple[int, float], Samples] = {}
-        self._cells: dict[tuple[int, float, bytes], Cells] = {}
-
-    def frame(self, points: FloatArray) -> Frame:
-        """Return the canonical frame of a shape."""
-        if id(points) not in self._frames:
-            self._frames[id(points)] = points, canonical_frame(points, self._faces)
-        return self._frames[id(points)][1]
-
-    def samples(self, points: FloatArray, spacing: float) -> Samples:
-        """Return the canonical samples of a shape."""
-        name = id(points), spacing
-        if name not in self._samples:
-            canonical = self.frame(points).to_canonical(points)
-            self._samples[name] = plan_samples(canonical, self._faces, LONGEST_SAMPLE * spacing)(canonical)
-        return self._samples[name]
-
-    def cells(self, points: FloatArray, lattice: Lattice, turned: Frame) -> Cells:
-        """Return all cells of a shape, its frame turned as `turned` is."""
-        pose = self._pose(points, turned)
-        name = id(points), lattice.spacing, (np.round(pose.turn) + 0.0).tobytes()
-        if name not in self._cells:
-            self._cells[name] = place(self.samples(points, lattice.spacing), lattice, pose)
-        return self._cells[name]
-
-    def carriers(self, points: FloatArray, lattice: Lattice, turned: Frame) -> Cells:
-        """Return those cells of a shape that may carry."""
-        cells = self.cells(points, lattice, turned)
-        return cells.take(select_cells(cells, EXTRACT_SELECTION))
-
-    def response(self, restoration: Restoration, lattice: Lattice, turned: Frame) -> _Response:
-        """Measure a restoration in the middle of what is expected."""
-        first, *others = restoration.shapes
-        start = self.carriers(first, lattice, turned)
-        seen = np.ones(len(start.nodes), dtype=bool)
-        changes = []
-        for other in others:
-            cells = self.cells(other, lattice, turned)
-            row = find_nodes(cells.nodes, start.nodes)
-            seen &= row >= 0
-            changes.append(cells.offset[row] - start.offset)
-        index = np.flatnonzero(seen)
-        start = start.take(index)
-        change = np.array(changes).reshape(len(others), len(seen))[:, index].T
-        offset = start.offset + change @ np.array(restoration.middle)
-        cells = Cells(start.nodes, offset, start.normal, start.mass, start.flatness)
-        return _Response(cells, np.hstack([pose_gradient(cells, lattice), change]))
-
-    def _pose(self, points: FloatArray, turned: Frame) -> Pose:
-        """Return the turn from a shape's own frame to that of its alternatives which is nearest to `turned`."""
-        own = self.frame(points)
-        nearest = max(
-            frame_alternatives(own, exchange=True), key=lambda other: float((other.axes * turned.axes).sum())
-        )
-        return Pose.turned(own.axes.T @ nearest.axes)
+    spacings, steps: of the lattice and the quantiser, where the reference tells them.
+    """
+    tried = already
+    held = [(frame, Shapes(surface, frame)) for frame in frames]
+    for restoration in restorations(surface, wide=True) if held else ():
+        for frame, shapes in held:
+            for spacing in (
+                preferred_spacings(frame.area)[:ORIGINAL_SPACINGS] if spacings is None else spacings
+            ):
+                lattice = Lattice.keyed(key, spacing)
+                tried += 1
+                known = LOCK_STEPS if steps is None else steps
+                yield from _locked(shapes, restoration, lattice, frame, known, code_length, tried)
 
 
 def _spacings(
-    shapes: _Shapes, restoration: Restoration, frame: Frame, key: Key, wide: bool
+    shapes: Shapes, restoration: Restoration, frame: Frame, key: Key, wide: bool
 ) -> Iterator[float]:
     """Yield the first spacing with carriers enough, or all such; none where the shape has fallen apart."""
     for spacing in preferred_spacings(frame.area):
@@ -148,22 +97,50 @@ def _spacings(
 
 
 def _locked(
-    response: _Response, restoration: Restoration, lattice: Lattice, code_length: int, charge: int
-) -> list[Reading]:
+    shapes: Shapes,
+    restoration: Restoration,
+    lattice: Lattice,
+    turned: Frame,
+    steps: Sequence[float],
+    code_length: int,
+    number: int,
+) -> Iterator[Reading]:
+    """Yield the best corrections over all steps; after one that is credible, also what is measured there anew.
+
+    number: of these readings among all; each pays for the corrections of all steps.
+    """
+    response = shapes.response(restoration, lattice, turned)
+    if len(response.cells.nodes) < CARRIER_READABLE:
+        return
     keys = lattice.keys(response.cells.nodes, code_length)
     expected = np.concatenate([LOCK_EXPECTED, restoration.expected])
     rough = []
     tried = 0.0
-    for step in LOCK_STEPS:
+    for step in steps:
         phase = bit_phase(response.cells.offset, keys.dither, step)
-        search = LockSearch(2.0 * phase, 4.0 * np.pi / step * response.gradient, expected, LOCK_RADIUS)
+        gradient = 4.0 * np.pi / step * response.gradient
+        search = LockSearch(2.0 * phase, gradient, expected, LOCK_RADIUS, restoration.grid)
         tried += search.tried
         for lock in search.rough(LOCK_CANDIDATES):
             chance = log10_lock_chance(lock.score, len(phase)) + float(np.log10(lock.tried))
-            rough.append((chance, float(step), search, lock))
-    result = []
+            rough.append((chance, step, search, lock))
+    charge = number * (number + 1) * tried
     for _, step, search, lock in sorted(rough, key=lambda entry: entry[0])[:LOCK_CANDIDATES]:
         correction = search.polished(lock).correction
         phase = bit_phase(response.cells.offset + response.gradient @ correction, keys.dither, step)
-        result.append(Reading.of(lattice.spacing, step, response.cells, keys, phase, charge * tried))
-    return result
+        reading = Reading.of(lattice.spacing, step, response.cells, keys, phase, charge)
+        yield reading
+        if reading.log10_chance + np.log10(tried) < CREDIBLE_LOG10:
+            yield _again(
+                shapes.corrected(restoration, lattice, turned, correction), lattice, step, code_length, charge
+            )
+
+
+def _again(response: Response, lattice: Lattice, step: float, code_length: int, charge: float) -> Reading:
+    """Return the best reading close to where this response was measured."""
+    keys = lattice.keys(response.cells.nodes, code_length)
+    phase = bit_phase(response.cells.offset, keys.dither, step)
+    search = LockSearch(2.0 * phase, 4.0 * np.pi / step * response.gradient, LOCK_EXPECTED, LOCK_RADIUS)
+    correction = search.polished(search.rough(1)[0]).correction
+    phase = bit_phase(response.cells.offset + response.gradient @ correction, keys.dither, step)
+    return Reading.of(lattice.spacing, step, response.cells, keys, phase, charge * search.tried)

@@ -15,6 +15,7 @@ __all__ = [
     "CARRIER_MINIMUM",
     "CARRIER_PLENTY",
     "CARRIER_READABLE",
+    "CREDIBLE_LOG10",
     "DECODE_LOG10",
     "DIVERGED",
     "EMBED_SELECTION",
@@ -24,9 +25,11 @@ __all__ = [
     "LOCK_EXPECTED",
     "LOCK_RADIUS",
     "LOCK_STEPS",
+    "LOCK_TURNS",
     "LONGEST_SAMPLE",
     "LOST_ERROR",
     "MOMENT_GAP",
+    "ORIGINAL_SPACINGS",
     "PRESENT_LOG10",
     "SOLVE_PASSES",
     "SOLVE_TOLERANCE",
@@ -97,9 +100,15 @@ LOST_ERROR: Final = 0.25
 LOCK_EXPECTED: Final = np.array([0.005] * 4 + [0.006] * 3)
 LOCK_RADIUS: Final = 3.0
 # Steps that a search tries: those that embeddings of any strength use.
-LOCK_STEPS: Final = STEPS[:16]
+LOCK_STEPS: Final = tuple(float(step) for step in STEPS[:16])
 # So many corrections of a reading are decoded.
 LOCK_CANDIDATES: Final = 2
+# A lock less likely than 10^this by chance, over its own search, is worth measuring anew where it puts the model.
+CREDIBLE_LOG10: Final = -0.5
+# With the original at hand, so many spacings are read in each of its frames.
+ORIGINAL_SPACINGS: Final = 3
+# So many turns of a frame are searched, where the search is to be quick.
+LOCK_TURNS: Final = 2
 # An axis more skew than this is not turned round by an attack.
 SURELY_SKEW: Final = 0.03
 

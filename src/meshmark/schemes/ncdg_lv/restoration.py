@@ -10,11 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import pairwise, permutations
 from typing import Final
 
 import numpy as np
 
+from meshmark.carriers.lock import MOST
 from meshmark.geometry.adjacency import unique_edges
 from meshmark.geometry.scale_space import random_walk, spectral_filters
 from meshmark.geometry.weld import Welded
@@ -29,8 +30,11 @@ ORDER: Final = 4
 UNDONE: Final = (0.0, 0.9, 2.0, 3.6, 5.6)
 # The inverse is the series sum_k (1 - exp(-t x))^k up to this k, which bounds what it does to noise.
 INVERSE_TERMS: Final = 8
-# Largest stretch along an axis of the file, in either direction.
-STRETCH: Final = 0.03
+# Stretches along the axes of the file are relaxed from a few starts, to within about so much of each.
+STRETCHES: Final = ((0.0, 0.0, 0.0), *permutations((-0.018, 0.0, 0.018)))
+STRETCH_PART: Final = 0.008
+# A stretch moves cells by many steps, so its grid is fine.
+STRETCH_GRID: Final = 300_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,12 +42,13 @@ class Restoration:
     """One guess at the shape before an attack: `shapes[0]` and so far towards each of the others.
 
     shapes: each (p, 3); middle, expected: for each shape after the first, the share of the way that is expected
-    and its standard deviation.
+    and its standard deviation; grid: how many corrections a search may try, where not the usual number.
     """
 
     shapes: tuple[FloatArray, ...]
     middle: tuple[float, ...] = ()
     expected: tuple[float, ...] = ()
+    grid: int = MOST
 
 
 def restorations(surface: Welded, wide: bool) -> Iterator[Restoration]:
@@ -58,8 +63,10 @@ def restorations(surface: Welded, wide: bool) -> Iterator[Restoration]:
         yield Restoration((before, after), (0.5,), (0.3,))
     yield Restoration((smoother,))
     if wide:
-        stretched = [smooth + STRETCH * (smooth - centre) * axis for axis in np.eye(3)[:2]]
-        yield Restoration((smooth, *stretched), (0.0, 0.0), (0.7, 0.7))
+        for stretch in STRETCHES:
+            base = centre + (smooth - centre) * (1.0 + np.array(stretch))
+            ends = [base + (base - centre) * STRETCH_PART * axis for axis in np.eye(3)[:2]]
+            yield Restoration((base, *ends), (0.0, 0.0), (1.0, 1.0), STRETCH_GRID)
 
 
 def _low_pass(amount: float) -> Callable[[FloatArray], FloatArray]:
