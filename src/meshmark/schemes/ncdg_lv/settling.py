@@ -25,10 +25,9 @@ BENDING_EXPECTED = 1.0
 LARGEST = 4.0
 TINY = 1e-9
 STEPS = 15
-# Bending is sought from these starts, in typical sizes. One other than 0 must better the lock by so many of the
-# standard deviations that it has without a mark, or it is chance.
-STARTS = tuple(product((0.0, -1.2, 1.2), repeat=2))
-MARGIN = 2.0
+# Bending is sought from these starts, in typical sizes, with what each must better the lock by, in standard
+# deviations of the lock without a mark: less is chance.
+STARTS = tuple((start, 2.0 if any(start) else 0.5) for start in product((0.0, -1.2, 1.2), repeat=2))
 
 
 def settled_phase(phase: FloatArray, cells: Cells, step: float, relief: Relief) -> FloatArray:
@@ -43,15 +42,14 @@ def settled_phase(phase: FloatArray, cells: Cells, step: float, relief: Relief) 
     typical = 1.5 * np.median(np.abs(bending), axis=0)  # a normal distribution's standard deviation
     bending = np.clip(bending / (typical + TINY * step), -LARGEST, LARGEST)
     response = np.hstack([POSE_EXPECTED * pose, BENDING_EXPECTED * bending])
-    best, best_score = phase, -np.inf
-    margin = 0.0
-    for start in STARTS:
+    deviation = float(np.sqrt(len(phase) / 2.0))
+    best, best_score = phase, float(lock_score(phase))
+    for start, margin in STARTS:
         turned = phase + bending @ np.array(start)
         turned = turned + response @ settled(2.0 * turned, 2.0 * response, np.ones(response.shape[1]))
-        score = float(lock_score(turned)) - margin
+        score = float(lock_score(turned)) - margin * deviation
         if score > best_score:
             best, best_score = turned, score
-        margin = MARGIN * np.sqrt(len(phase) / 2.0)
     return np.asarray(best)
 
 
