@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from meshmark.metrics import METRICS, compare
     from meshmark.saliency import analyse
     from meshmark.schemes import SCHEMES
-    from meshmark.schemes.ncdg_lv import embed, extract
+    from meshmark.schemes.ncdg_lv import Certificate, embed, extract
     from meshmark.segmentation import segment
 
 __all__ = [
@@ -39,6 +39,7 @@ __all__ = [
     "METRICS",
     "SCHEMES",
     "CapacityError",
+    "Certificate",
     "FormatError",
     "InputError",
     "Key",
@@ -62,6 +63,7 @@ _HOME = {
     "METRICS": "metrics",
     "SCHEMES": "schemes",
     "CapacityError": "errors",
+    "Certificate": "schemes.ncdg_lv",
     "FormatError": "errors",
     "InputError": "errors",
     "Key": "coding.keys",

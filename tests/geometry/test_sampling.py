@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from meshmark.geometry.areas import area_vectors, face_areas, vertex_normals
-from meshmark.geometry.sampling import plan_samples
+from meshmark.geometry.sampling import Samples, gathered, plan_samples
 from tests.shapes import pebble
 
 
@@ -43,3 +43,36 @@ def test_normal_motion_is_the_flux_of_the_displacement(longest):
     moved = sampler(points + 1e-7 * lengths[:, None] * normals)
     flux = np.einsum("ij,ij->i", (moved.positions - samples.positions) / 1e-7, samples.vectors)
     np.testing.assert_allclose(sampler.normal_motion(samples, normals) @ lengths, flux, atol=1e-7)
+
+
+def test_gathered_samples_say_the_same_of_smooth_windows():
+    points, faces = pebble(144)
+    samples = plan_samples(points, faces, 0.1)(points)
+    fewer = gathered(samples, 0.05)
+    assert 50 < len(fewer.areas) < 0.6 * len(samples.areas)
+    np.testing.assert_allclose(fewer.areas.sum(), samples.areas.sum())
+    np.testing.assert_allclose(fewer.vectors.sum(axis=0), samples.vectors.sum(axis=0), atol=1e-12)
+
+    def flux(of):
+        window = np.exp(-0.5 * np.sum((of.positions - points[0]) ** 2, axis=1) / 0.2**2)
+        return window @ of.vectors
+
+    np.testing.assert_allclose(
+        flux(fewer), flux(samples), rtol=0.02, atol=0.002 * np.abs(flux(samples)).max()
+    )
+
+
+def test_gathering_keeps_the_sheets_of_a_thin_wall_apart():
+    """Two sheets that face away from each other: their moment x . a is the volume between them, not zero."""
+    x, y = np.meshgrid(np.linspace(0, 1, 30), np.linspace(0, 1, 30))
+    top = np.column_stack([x.ravel(), y.ravel(), np.full(900, 0.01)])
+    both = np.concatenate([top, top * [1, 1, -1]])
+    vectors = np.concatenate([np.tile([0, 0, 1 / 900], (900, 1)), np.tile([0, 0, -1 / 900], (900, 1))])
+    fewer = gathered(Samples(both, vectors, np.full(1800, 1 / 900)), 0.1)
+    assert len(fewer.areas) < 600
+    np.testing.assert_allclose(np.einsum("ij,ij->", fewer.positions, fewer.vectors), 0.02)
+
+
+def test_nothing_gathers_to_nothing():
+    empty = Samples(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0))
+    assert len(gathered(empty, 0.1).areas) == 0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -34,12 +35,19 @@ def embed(
     layers: Annotated[
         str, typer.Option(metavar="ownership", help="Layers to embed; this version has the ownership layer.")
     ] = _LAYERS,
+    certificate: Annotated[
+        Path | None,
+        typer.Option(metavar="CERT", help="Also write a certificate, with which damaged copies are read."),
+    ] = None,
     as_json: AsJson = False,
 ) -> int:
     """Put a mark into a model.
 
     IN with an invisible 64-bit id goes to OUT; nothing but positions changes, and IN stays as it is.
     OUT appears only after it was read back and the id was found in it with the key alone.
+
+    The certificate is a small file without the key or the surface. Keep it: with it, the mark is found in copies
+    of which half is gone.
     """
     from meshmark.coding.keys import Key
     from meshmark.coding.message import format_id, parse_id
@@ -48,10 +56,16 @@ def embed(
     if layers != _LAYERS:
         raise InputError(f"--layers {layers} is not available in this version, expected {_LAYERS}")
     check_output(out, [model, key])
+    if certificate is not None:
+        check_output(certificate, [model, key])
+        if certificate.resolve() == out.resolve():
+            raise InputError(f"{out} is to be the model and the certificate, expected two names")
     number = None if identity is None else parse_id(identity)
     secret = Key.load(key)
     with progress("marking"):
         result = embed_file(model, out, secret, number, strength.value, layers)
+        if certificate is not None:
+            result.certificate.save(certificate)
     for remark in result.remarks:
         say(f"meshmark: {remark}")
     rms, largest = percent(result.rms_over_diagonal), percent(result.max_over_diagonal)

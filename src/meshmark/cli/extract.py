@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from meshmark.cli.options import AsJson, KeyFile, ModelIn, Search
+from meshmark.cli.options import AsJson, CertificateIn, KeyFile, ModelIn, Search
 from meshmark.cli.output import answer
 from meshmark.cli.progress import progress
+from meshmark.errors import InputError
 
 if TYPE_CHECKING:
-    from meshmark.schemes.ncdg_lv import Extraction
+    from meshmark.mesh import Mesh
+    from meshmark.schemes.ncdg_lv import Certificate, Extraction
 
 __all__ = ["EXIT_CODES", "extract"]
 
@@ -22,25 +24,39 @@ EXIT_CODES = {"present": 0, "absent": 1, "inconclusive": 3}
 def extract(
     model: ModelIn,
     key: KeyFile,
+    certificate: CertificateIn = None,
+    original: Annotated[
+        Path | None, typer.Option(metavar="MODEL", help="The unmarked original, instead of a certificate.")
+    ] = None,
     search: Annotated[
         Search, typer.Option(help="quick is fast; wide spends more time on hard cases, such as crops.")
     ] = Search.quick,
     as_json: AsJson = False,
 ) -> int:
-    """Look for a mark, with the key alone.
+    """Look for a mark, with the key alone or with a reference besides.
 
-    Neither the original nor the id is needed, and IN may have been turned, resized or converted.
+    Neither the original nor the id is needed, and IN may have been turned, resized, converted, roughened,
+    smoothed or simplified. In a part of a model, or in a copy damaged more, the mark is found with the
+    certificate that was made at embedding, or with the original.
 
     Exit code 0: present, and the id is printed; 1: absent; 3: inconclusive.
     """
     from meshmark.coding.keys import Key
     from meshmark.io import read_mesh
+    from meshmark.schemes.ncdg_lv import Certificate
     from meshmark.schemes.ncdg_lv import extract as find
 
+    if certificate is not None and original is not None:
+        raise InputError("--certificate and --original exclude each other, expected one of them")
     secret = Key.load(key)
+    reference: Certificate | Mesh | None = None
+    if certificate is not None:
+        reference = Certificate.load(certificate)
+    elif original is not None:
+        reference = read_mesh(original)
     mesh = read_mesh(model)
     with progress("looking for the mark"):
-        found = find(mesh, secret, search=search.value)
+        found = find(mesh, secret, reference=reference, search=search.value)
     answer(_words(found, model), found.to_dict(), as_json)
     return EXIT_CODES[found.presence]
 

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-__all__ = ["AsJson", "KeyFile", "ModelIn", "ModelOut", "Picture", "Search", "Strength"]
+__all__ = ["AsJson", "CertificateIn", "KeyFile", "ModelIn", "ModelOut", "Picture", "Search", "Strength"]
 
 
 class Strength(StrEnum):
@@ -39,4 +39,7 @@ KeyFile = Annotated[
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object instead of words.")]
 Picture = Annotated[
     Path | None, typer.Option("--picture", metavar="OUT.png", help="Also draw the model as a PNG picture.")
+]
+CertificateIn = Annotated[
+    Path | None, typer.Option("--certificate", metavar="CERT", help="The certificate made at embedding.")
 ]

@@ -15,12 +15,14 @@ import scipy.sparse as sp
 from meshmark.geometry.areas import area_vectors
 from meshmark.mesh import FloatArray, IntArray
 
-__all__ = ["Sampler", "Samples", "plan_samples"]
+__all__ = ["Sampler", "Samples", "gathered", "plan_samples"]
 
 # A face is split into so many rows, and all faces into about so many samples, at most: huge or very spiky surfaces
 # cannot exhaust memory; the window then sees a coarser sum.
 MAX_SPLIT = 64
 MAX_SAMPLES = 1_500_000
+# Cubes of a model that is so far spread out have no numbers.
+MOST_CUBES = 2.0**60
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,6 +93,29 @@ class Sampler:
             ),
             shape=(self.count + len(self.split_face), self.count),
         )
+
+
+def gathered(samples: Samples, size: float) -> Samples:
+    """Return fewer samples: one for each cube of edge `size` and direction of facing, at the mean place.
+
+    The six directions (the largest part of the area vector, and its sign) keep the sheets of a thin wall apart.
+    """
+    cube = np.floor(samples.positions / size).astype(np.int64)
+    cube -= cube.min(axis=0) if len(cube) else 0
+    facing = np.abs(samples.vectors).argmax(axis=1)
+    backwards = np.take_along_axis(samples.vectors, facing[:, None], axis=1)[:, 0] < 0.0
+    across = cube.max(axis=0) + 1 if len(cube) else np.ones(3, np.int64)
+    if float(np.prod(across.astype(np.float64))) * 6.0 > MOST_CUBES:
+        return samples
+    name = ((cube[:, 0] * across[1] + cube[:, 1]) * across[2] + cube[:, 2]) * 6 + 2 * facing + backwards
+    _, group = np.unique(name, return_inverse=True)
+    areas = np.bincount(group, samples.areas).astype(np.float64)
+    shares = samples.areas / np.where(areas > 0.0, areas, 1.0)[group]
+    return Samples(
+        np.stack([np.bincount(group, shares * axis) for axis in samples.positions.T], axis=1),
+        np.stack([np.bincount(group, axis) for axis in samples.vectors.T], axis=1),
+        areas,
+    )
 
 
 def plan_samples(points: FloatArray, faces: IntArray, longest: float) -> Sampler:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from meshmark.schemes.ncdg_lv.certificate import Certificate
 from meshmark.schemes.ncdg_lv.embedding import embed
 from meshmark.schemes.ncdg_lv.extraction import extract
 from meshmark.schemes.ncdg_lv.results import Embedding, Extraction
 
-__all__ = ["Embedding", "Extraction", "embed", "extract"]
+__all__ = ["Certificate", "Embedding", "Extraction", "embed", "extract"]

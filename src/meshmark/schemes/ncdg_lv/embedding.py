@@ -43,6 +43,8 @@ class _Attempt:
     mesh: Mesh
     rms: float
     found: Extraction
+    spacing: float
+    step: float
 
 
 @on_one_thread
@@ -79,7 +81,7 @@ def embed(
             mesh, surface, key, identity, shaping, BUDGETS[strength] * diagonal, likeliest
         )
         if attempt is not None:
-            return _finish(mesh, attempt, identity, layers, diagonal, perf_counter() - start)
+            return _finish(mesh, attempt, identity, layers, strength, diagonal, perf_counter() - start)
     raise CapacityError(_advice(most, len(surface.points), strength))
 
 
@@ -131,7 +133,7 @@ def _largest_step(
         if found.id == identity and not likeliest:
             found = extract(marked, key, locking=False)
         if found.id == identity:
-            return _Attempt(marked, rms, found)
+            return _Attempt(marked, rms, found, shaping.spacing, float(step))
     return None
 
 
@@ -147,7 +149,13 @@ def _rms(displacement: FloatArray) -> float:
 
 
 def _finish(
-    mesh: Mesh, attempt: _Attempt, identity: int, layers: str, diagonal: float, seconds: float
+    mesh: Mesh,
+    attempt: _Attempt,
+    identity: int,
+    layers: str,
+    strength: str,
+    diagonal: float,
+    seconds: float,
 ) -> Embedding:
     largest = float(np.linalg.norm(attempt.mesh.vertices - mesh.vertices, axis=1).max())
     return Embedding(
@@ -164,6 +172,9 @@ def _finish(
         psnr_db=20.0 * log10(diagonal / attempt.rms) if attempt.rms > 0.0 else inf,
         verified=True,
         seconds=seconds,
+        strength=strength,
+        spacing=attempt.spacing,
+        step=attempt.step,
     )
 
 

@@ -20,6 +20,7 @@ __all__ = [
     "DIVERGED",
     "EMBED_SELECTION",
     "EXTRACT_SELECTION",
+    "GATHER",
     "HOPELESS_ERROR",
     "LOCK_CANDIDATES",
     "LOCK_EXPECTED",
@@ -73,6 +74,9 @@ STEP_TRIES: Final = 3
 
 # A sample of the surface is no longer than this share of a spacing (quadrature error below 0.003 spacings).
 LONGEST_SAMPLE: Final = 0.25
+
+# Samples of a suspect's shapes are gathered in cubes of so many longest samples.
+GATHER: Final = 0.7
 
 # (mass, flatness, largest |offset|): the embedder shapes every cell that the extractor might select.
 EXTRACT_SELECTION: Final = (0.35, 0.70, 0.50)

@@ -24,6 +24,7 @@ from meshmark.schemes.ncdg_lv.parameters import (
     LONGEST_SAMPLE,
     SPACING_TRIES,
     STEPS,
+    SURELY_SKEW,
     preferred_spacings,
 )
 
@@ -83,7 +84,7 @@ def readings(
         lattice = Lattice.keyed(key, spacing)
         samples = plan_samples(canonical, surface.faces, LONGEST_SAMPLE * spacing)(canonical)
         fewest = 0
-        for other in frame_alternatives(frame, exchange=wide):
+        for other in frame_alternatives(frame, wide, np.inf if wide else SURELY_SKEW):
             cells = read_cells(samples, lattice, Pose.turned(frame.axes.T @ other.axes))
             fewest = min(fewest or len(cells.nodes), len(cells.nodes))
             if fewest < CARRIER_READABLE:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
+from functools import cached_property
 from math import inf
 from typing import Any
 
 from meshmark.coding.message import format_id
 from meshmark.mesh import Mesh
+from meshmark.schemes.ncdg_lv.certificate import Certificate, certify
 
 __all__ = ["Embedding", "Extraction"]
 
@@ -20,6 +22,7 @@ class Embedding:
     extraction reads; rms_over_diagonal, max_over_diagonal: vertex displacement over the bounding-box diagonal;
     psnr_db: 20 log10(diagonal / RMS), infinite where nothing moved (null in JSON);
     verified: the positions as the file holds them were decoded again.
+    strength, spacing, step: of the lattice, as in `certificate`, which is made when it is asked for.
     remarks: sentences about what a conversion to another format dropped.
     """
 
@@ -36,7 +39,15 @@ class Embedding:
     psnr_db: float
     verified: bool
     seconds: float
+    strength: str
+    spacing: float
+    step: float
     remarks: tuple[str, ...] = ()
+
+    @cached_property
+    def certificate(self) -> Certificate:
+        """What to keep of the marked model, so that its mark is found in a part of it or a damaged copy."""
+        return certify(self.mesh, self.spacing, self.step, self.strength)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the fields without the mesh, the id in hexadecimal."""
@@ -49,7 +60,8 @@ class Extraction:
 
     presence: "present", "absent" or "inconclusive"; id: the 64-bit id or None.
     log10_false_positive: bound on the chance of this answer without a mark of this key, over all that was tried.
-    mode: "blind". carriers: cells read; carriers_agreeing: those whose bit is the decoded one's.
+    mode: "blind", "certificate" or "original". carriers: cells read; carriers_agreeing: those whose bit is the
+    decoded one's.
     lock_score: mean cos(2 phase), 1 for an untouched mark and about 0 without one.
     advice: one sentence for the reader.
     """

@@ -12,10 +12,10 @@ from meshmark.carriers.nodes import find_nodes
 from meshmark.carriers.pose import POSE_SIZE, Pose, pose_gradient
 from meshmark.carriers.selection import select_cells
 from meshmark.geometry.frame import Frame, canonical_frame, frame_alternatives
-from meshmark.geometry.sampling import Samples, plan_samples
+from meshmark.geometry.sampling import Samples, gathered, plan_samples
 from meshmark.geometry.weld import Welded
 from meshmark.mesh import FloatArray
-from meshmark.schemes.ncdg_lv.parameters import EXTRACT_SELECTION, LONGEST_SAMPLE
+from meshmark.schemes.ncdg_lv.parameters import EXTRACT_SELECTION, GATHER, LONGEST_SAMPLE
 from meshmark.schemes.ncdg_lv.reading import place
 from meshmark.schemes.ncdg_lv.restoration import Restoration
 
@@ -56,7 +56,8 @@ class Shapes:
         name = id(points), spacing
         if name not in self._samples:
             canonical = self.frame(points).to_canonical(points)
-            samples = plan_samples(canonical, self._faces, LONGEST_SAMPLE * spacing)(canonical)
+            longest = LONGEST_SAMPLE * spacing
+            samples = gathered(plan_samples(canonical, self._faces, longest)(canonical), GATHER * longest)
             self._samples[name] = points, samples
         return self._samples[name][1]
 
