@@ -34,7 +34,7 @@ from meshmark.schemes.ncdg_lv.reading import read_cells
 from meshmark.schemes.ncdg_lv.restoration import Restoration, restorations
 from meshmark.schemes.ncdg_lv.settling import settled, settled_phase
 
-__all__ = ["ATTACKED", "Marked", "Trial", "mark", "trials"]
+__all__ = ["ATTACKED", "LOST", "Marked", "Trial", "mark", "trials"]
 
 # Attacks that leave the model in place, so that its frame is known.
 ATTACKED: Final = (
