@@ -14,8 +14,8 @@ ROOT = Path(meshmark.__file__).parent
 SOURCES = sorted(ROOT.rglob("*.py"))
 # A module imports from its own layer or from those before it.
 LAYERS = (
-    "errors", "mesh", "coding", "geometry", "io", "saliency", "segmentation", "carriers", "network", "attacks", "metrics",
-    "report", "schemes", "benchmark", "cli",
+    "errors", "mesh", "coding", "geometry", "io", "saliency", "segmentation", "carriers", "network", "attacks",
+    "metrics", "report", "schemes", "benchmark", "cli",
 )  # fmt: skip
 # The file of public names and the program's entry stand above all layers; `TYPE_CHECKING` blocks do not run.
 ABOVE = {"__init__", "__main__"}

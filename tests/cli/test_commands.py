@@ -13,6 +13,7 @@ import pytest
 from PIL import Image
 
 import meshmark as mm
+from tests.shapes import pebble
 
 IDENTITY = "0123456789abcdef"
 EMBED = {
@@ -141,8 +142,8 @@ def test_compare_gives_the_fields_of_the_contract(cli, files):
     assert None not in fields.values()
     words = cli("compare", files.model, files.marked).out
     assert {line.split("  ")[0] for line in words.splitlines()} == {
-        "vertices, RMS", "vertices, largest", "surfaces, RMS", "surfaces, largest", "PSNR", "PSNR, paper", "MSDM2, 0 to 1",
-        "normals, degrees",
+        "vertices, RMS", "vertices, largest", "surfaces, RMS", "surfaces, largest", "PSNR", "PSNR, paper",
+        "MSDM2, 0 to 1", "normals, degrees",
     }  # fmt: skip
 
 
@@ -213,3 +214,29 @@ def test_info_is_json_for_every_kind_of_file(cli, shared_data, name):
 def _is_drawn(path: Path) -> bool:
     with Image.open(path) as image:
         return image.format == "PNG" and len(set(image.convert("L").resize((64, 64)).tobytes())) > 10
+
+
+def test_a_part_of_a_model_is_read_with_its_certificate(tmp_path, cli):
+    model, marked, part, key, certificate = (
+        str(tmp_path / name) for name in ("in.ply", "marked.ply", "part.ply", "my.key", "model.cert")
+    )
+    mm.write_mesh(mm.Mesh(*pebble(144)), model)
+    cli("keygen", key)
+    cli("embed", model, marked, "--key", key, "--id", IDENTITY, "--certificate", certificate)
+    cli("attack", marked, part, "crop", "0.3", "--seed", "7")
+    found = json.loads(cli("extract", part, "--key", key, "--certificate", certificate, "--json").out)
+    assert (found["id"], found["mode"]) == (IDENTITY, "certificate")
+    both = cli("extract", part, "--key", key, "--certificate", certificate, "--original", model)
+    assert both.code == 2
+    assert "exclude each other" in both.err
+
+
+def test_the_certificate_needs_a_name_of_its_own(tmp_path, cli):
+    model, marked, key = (str(tmp_path / name) for name in ("in.ply", "marked.ply", "my.key"))
+    mm.write_mesh(mm.Mesh(*pebble(24)), model)
+    cli("keygen", key)
+    for name, words in ((marked, "expected two names"), (model, "is also an input"), (key, "is also an input")):
+        refused = cli("embed", model, marked, "--key", key, "--certificate", name)
+        assert refused.code == 2
+        assert words in refused.err
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["in.ply", "my.key"]

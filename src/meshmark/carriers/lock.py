@@ -26,7 +26,7 @@ __all__ = ["Lock", "LockSearch"]
 # seven directions leaves a score of about 0.6 of the peak's.
 GRID = 1.3
 # Grid points at most, where the caller does not say.
-MOST = 30_000
+MOST = 12_000
 ROWS, COLUMNS = 512, 4096
 ROUNDING = 1e-9
 POLISH_STEPS = 8

@@ -105,10 +105,11 @@ def gathered(samples: Samples, size: float) -> Samples:
     facing = np.abs(samples.vectors).argmax(axis=1)
     backwards = np.take_along_axis(samples.vectors, facing[:, None], axis=1)[:, 0] < 0.0
     across = cube.max(axis=0) + 1 if len(cube) else np.ones(3, np.int64)
-    if float(np.prod(across.astype(np.float64))) * 6.0 > MOST_CUBES:
+    places = 6.0 * float(np.prod(across.astype(np.float64)))
+    if places > MOST_CUBES:
         return samples
     name = ((cube[:, 0] * across[1] + cube[:, 1]) * across[2] + cube[:, 2]) * 6 + 2 * facing + backwards
-    _, group = np.unique(name, return_inverse=True)
+    group = _numbered(name, int(places))
     areas = np.bincount(group, samples.areas).astype(np.float64)
     shares = samples.areas / np.where(areas > 0.0, areas, 1.0)[group]
     return Samples(
@@ -116,6 +117,15 @@ def gathered(samples: Samples, size: float) -> Samples:
         np.stack([np.bincount(group, axis) for axis in samples.vectors.T], axis=1),
         areas,
     )
+
+
+def _numbered(names: IntArray, count: int) -> IntArray:
+    """Return (n,): names in [0, count) as numbers 0, 1, ... in their order; by a table where that is small."""
+    if count > 16 * len(names) + 1024:
+        return np.asarray(np.unique(names, return_inverse=True)[1])
+    used = np.zeros(count, dtype=bool)
+    used[names] = True
+    return np.asarray((np.cumsum(used) - 1)[names])
 
 
 def plan_samples(points: FloatArray, faces: IntArray, longest: float) -> Sampler:

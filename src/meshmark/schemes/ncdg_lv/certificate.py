@@ -25,12 +25,13 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from meshmark.errors import InputError, OutputError
+from meshmark.errors import InputError
 from meshmark.geometry.descriptors import DESCRIPTOR_LENGTH
 from meshmark.geometry.frame import Frame, canonical_frame
 from meshmark.geometry.landmarks import Landmarks
 from meshmark.geometry.prepared import Surface
 from meshmark.geometry.weld import weld
+from meshmark.io.whole import write_whole
 from meshmark.mesh import FloatArray, Mesh
 from meshmark.schemes.ncdg_lv.parameters import BUDGETS
 
@@ -86,11 +87,7 @@ class Certificate:
             "landmarks": _packed(self.landmarks),
             **self.more,
         }
-        try:
-            Path(path).write_text(json.dumps(values, indent=1, allow_nan=False) + "\n", encoding="ascii")
-        except OSError as error:
-            reason = error.strerror or "error"
-            raise OutputError(f"cannot write the certificate {os.fspath(path)}: {reason}") from None
+        write_whole(os.fspath(path), (json.dumps(values, indent=1, allow_nan=False) + "\n").encode("ascii"))
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Certificate:

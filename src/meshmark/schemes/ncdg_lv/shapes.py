@@ -12,7 +12,7 @@ from meshmark.carriers.nodes import find_nodes
 from meshmark.carriers.pose import POSE_SIZE, Pose, pose_gradient
 from meshmark.carriers.selection import select_cells
 from meshmark.geometry.frame import Frame, canonical_frame, frame_alternatives
-from meshmark.geometry.sampling import Samples, gathered, plan_samples
+from meshmark.geometry.sampling import Sampler, Samples, gathered, plan_samples
 from meshmark.geometry.weld import Welded
 from meshmark.mesh import FloatArray
 from meshmark.schemes.ncdg_lv.parameters import EXTRACT_SELECTION, GATHER, LONGEST_SAMPLE
@@ -41,6 +41,7 @@ class Shapes:
         self._frames: dict[int, tuple[FloatArray, Frame]] = {}
         # With the points, so that their number stays theirs.
         self._samples: dict[tuple[int, float], tuple[FloatArray, Samples]] = {}
+        self._samplers: dict[float, Sampler] = {}
         self._cells: dict[tuple[int, float, bytes], Cells] = {}
 
     def frame(self, points: FloatArray) -> Frame:
@@ -57,7 +58,9 @@ class Shapes:
         if name not in self._samples:
             canonical = self.frame(points).to_canonical(points)
             longest = LONGEST_SAMPLE * spacing
-            samples = gathered(plan_samples(canonical, self._faces, longest)(canonical), GATHER * longest)
+            if spacing not in self._samplers:  # shapes of one suspect are alike: one plan does for all
+                self._samplers[spacing] = plan_samples(canonical, self._faces, longest)
+            samples = gathered(self._samplers[spacing](canonical), GATHER * longest)
             self._samples[name] = points, samples
         return self._samples[name][1]
 
