@@ -94,7 +94,9 @@ def test_the_copied_mark_is_the_donor_less_its_gaussian_along_the_normals():
 
 
 @pytest.mark.parametrize("moved", [False, True], ids=["in place", "turned and larger"])
-@pytest.mark.parametrize(("across", "least"), [(72, 0.75), (64, 0.65)], ids=["same vertices", "other vertices"])
+@pytest.mark.parametrize(
+    ("across", "least"), [(72, 0.75), (64, 0.65)], ids=["same vertices", "other vertices"]
+)
 def test_the_copy_attack_carries_a_planted_mark_over(moved, across, least):
     """What it adds with a marked donor, less what it adds with the unmarked one, is the mark."""
     source, target = Mesh(*pebble(72)), Mesh(*pebble(across))

@@ -235,7 +235,11 @@ def test_the_certificate_needs_a_name_of_its_own(tmp_path, cli):
     model, marked, key = (str(tmp_path / name) for name in ("in.ply", "marked.ply", "my.key"))
     mm.write_mesh(mm.Mesh(*pebble(24)), model)
     cli("keygen", key)
-    for name, words in ((marked, "expected two names"), (model, "is also an input"), (key, "is also an input")):
+    for name, words in (
+        (marked, "expected two names"),
+        (model, "is also an input"),
+        (key, "is also an input"),
+    ):
         refused = cli("embed", model, marked, "--key", key, "--certificate", name)
         assert refused.code == 2
         assert words in refused.err
