@@ -33,7 +33,7 @@ def extract(
     ] = Search.quick,
     as_json: AsJson = False,
 ) -> int:
-    """Look for a mark, with the key alone or with a reference besides.
+    """Look for a mark, by the key alone or with a reference.
 
     Neither the original nor the id is needed, and IN may have been turned, resized, converted, roughened,
     smoothed or simplified. In a part of a model, or in a copy damaged more, the mark is found with the
