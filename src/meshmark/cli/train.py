@@ -32,7 +32,7 @@ def train(
     ] = 20_000,
     as_json: AsJson = False,
 ) -> int:
-    """Train the network that tells how much each place of a mark can be trusted.
+    """Train the network that weighs what is read of a mark.
 
     Every model of DIR is marked and attacked; a third of the models is kept aside to say when to stop.
     """
