@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from meshmark.attacks.voxel_boxes import places_in_boxes
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["band_distance", "split_triangles"]
@@ -60,21 +61,8 @@ def _pattern(count: int) -> FloatArray:
 
 
 def _pairs(triangles: FloatArray, band: float) -> Iterator[tuple[IntArray, IntArray]]:
-    """Yield triangle numbers (q,) and nodes (3, q): all nodes in the triangles' boxes with their bands."""
-    low = np.ceil(triangles.min(axis=1) - band).astype(np.int64)
-    size = np.floor(triangles.max(axis=1) + band).astype(np.int64) - low + 1
-    ends = np.cumsum(size.prod(axis=1))
-    start = 0
-    while start < len(ends):
-        before = ends[start - 1] if start else 0
-        stop = max(int(np.searchsorted(ends, before + PAIRS)), start + 1)
-        counts = np.diff(ends[start:stop], prepend=before)
-        triangle = np.repeat(np.arange(start, stop), counts)
-        rest = np.arange(len(triangle)) - np.repeat(np.cumsum(counts) - counts, counts)
-        rest, k = np.divmod(rest, size[triangle, 2])
-        i, j = np.divmod(rest, size[triangle, 1])
-        yield triangle, np.stack([i, j, k]) + low[triangle].T
-        start = stop
+    """Return triangle numbers (q,) and nodes (3, q): all nodes in the triangles' boxes with their bands."""
+    return places_in_boxes(triangles.min(axis=1) - band, triangles.max(axis=1) + band, PAIRS)
 
 
 def _squared_distance(p: IntArray, a: FloatArray, b: FloatArray, c: FloatArray) -> FloatArray:

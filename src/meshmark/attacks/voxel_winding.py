@@ -11,6 +11,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from meshmark.attacks.voxel_boxes import places_in_boxes
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["solid_nodes"]
@@ -77,16 +78,5 @@ def _crossings(
 
 
 def _pairs(triangles: FloatArray) -> Iterator[tuple[IntArray, IntArray]]:
-    """Yield triangle numbers (q,) and grid lines (2, q): all lines in the boxes of the triangles (t, 3, 2)."""
-    low = np.ceil(triangles.min(axis=1)).astype(np.int64)
-    size = np.floor(triangles.max(axis=1)).astype(np.int64) - low + 1
-    ends = np.cumsum(size.prod(axis=1))
-    start = 0
-    while start < len(ends):
-        before = ends[start - 1] if start else 0
-        stop = max(int(np.searchsorted(ends, before + PAIRS)), start + 1)
-        counts = np.diff(ends[start:stop], prepend=before)
-        triangle = np.repeat(np.arange(start, stop), counts)
-        rest = np.arange(len(triangle)) - np.repeat(np.cumsum(counts) - counts, counts)
-        yield triangle, np.stack(np.divmod(rest, np.maximum(size[triangle, 1], 1))) + low[triangle].T
-        start = stop
+    """Return triangle numbers (q,) and grid lines (2, q): all lines in the boxes of the triangles (t, 3, 2)."""
+    return places_in_boxes(triangles.min(axis=1), triangles.max(axis=1), PAIRS)
