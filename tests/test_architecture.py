@@ -15,7 +15,7 @@ SOURCES = sorted(ROOT.rglob("*.py"))
 # A module imports from its own layer or from those before it.
 LAYERS = (
     "errors", "mesh", "coding", "geometry", "io", "saliency", "segmentation", "carriers", "network", "attacks",
-    "metrics", "report", "schemes", "benchmark", "cli",
+    "metrics", "recovery", "report", "schemes", "benchmark", "cli",
 )  # fmt: skip
 # The file of public names and the program's entry stand above all layers; `TYPE_CHECKING` blocks do not run.
 ABOVE = {"__init__", "__main__"}

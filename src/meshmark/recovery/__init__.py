@@ -1,0 +1,3 @@
+"""Recovery: a miniature of the model, and how altered parts return to it (DESIGN section 8)."""
+
+from __future__ import annotations

@@ -1,0 +1,64 @@
+"""The miniature: a model's surface in a given number of bytes, in canonical coordinates (DESIGN section 8)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from meshmark.errors import CapacityError, InputError
+from meshmark.geometry.frame import canonical_frame
+from meshmark.mesh import FloatArray, IntArray
+from meshmark.recovery.mesh_coder import decode_mesh, encode_mesh
+from meshmark.recovery.simplify import simplify
+
+__all__ = ["SMALLEST", "miniature", "read_miniature"]
+
+SMALLEST = 40
+"""Bytes of the smallest miniature that is made."""
+LARGEST_POINTS = 6000
+# Bits of a point in a miniature, connections included: the first guess, and how often it is corrected.
+BITS_OF_POINT, TRIES = 20.0, 6
+# Quantiser steps along the RMS size of a surface of p points: rounding is to be a fraction of what simplification
+# changes, which is about the squared edge length.
+STEPS_OF_POINT = 0.5
+BITS = (4, 13)
+
+
+def miniature(points: FloatArray, faces: IntArray, size_bytes: int) -> bytes:
+    """Return the surface in at most `size_bytes` bytes, in the canonical coordinates of its own frame.
+
+    points: (p, 3); faces: (m, 3). Raises `CapacityError` where the bytes are too few even for a crude shape,
+    `InputError` where there is no surface.
+    """
+    canonical = canonical_frame(points, faces).to_canonical(points)
+    count = min(int(8 * size_bytes / BITS_OF_POINT), LARGEST_POINTS)
+    best = None
+    few, small = simplify(canonical, faces, max(count, 4))
+    for _ in range(TRIES):
+        if size_bytes < SMALLEST:
+            break
+        content = _encoded(few, small)
+        if len(content) <= size_bytes:
+            best = content
+            break
+        count = int(len(few) * min(0.97, size_bytes / len(content)))
+        few, small = simplify(few, small, max(count, 4))
+    if best is None:
+        raise CapacityError(f"a miniature does not fit {size_bytes} bytes, expected {SMALLEST} or more")
+    return best
+
+
+def _encoded(points: FloatArray, faces: IntArray) -> bytes:
+    low, high = BITS
+    bits = int(np.clip(np.ceil(np.log2(STEPS_OF_POINT * max(len(points), 1)) + 1.0), low, high))
+    return bytes([bits]) + encode_mesh(points * 2.0 ** (bits - 1), faces, bits)
+
+
+def read_miniature(content: bytes) -> tuple[FloatArray, IntArray]:
+    """Return points (p, 3) and faces (m, 3) in canonical coordinates; raises `InputError` for damaged content."""
+    if not content or not BITS[0] <= content[0] <= BITS[1]:
+        raise InputError("the bytes are no miniature, expected one that meshmark made")
+    bits = content[0]
+    places, faces = decode_mesh(content[1:], bits)
+    if not len(faces):
+        raise InputError("the miniature has no faces, expected a surface")
+    return places / 2.0 ** (bits - 1), faces

@@ -1,0 +1,194 @@
+"""Simplification to very few points: quadric edge collapse that keeps the surface a surface.
+
+A library takes large models down to a few thousand points. From there edges collapse one by one, cheapest first
+(M. Garland, P. Heckbert 1997, doi:10.1145/258734.258849), and only where the surface stays of the same kind (the
+link condition) and no face turns over.
+"""
+
+from __future__ import annotations
+
+import heapq
+
+import fast_simplification
+import numpy as np
+
+from meshmark.geometry.areas import area_vectors
+from meshmark.mesh import FloatArray, IntArray
+
+__all__ = ["simplify"]
+
+# The library's first thresholds suit models of this size; see `attacks.simplification`.
+SIZE = 2000.0
+# The library leaves this many points for each that is wanted, and at least so many.
+FOR_EACH, AT_LEAST = 6, 3000
+# Pull of border edges, and of points towards where they are, against the pull of faces.
+BORDER, STILL = 10.0, 1e-3
+LEAST_COSINE = 0.2
+
+
+def simplify(points: FloatArray, faces: IntArray, count: int) -> tuple[FloatArray, IntArray]:
+    """Return points and faces of the surface with about `count` points, more where no edge can collapse.
+
+    Faces with edges that more than two faces share stay as they are.
+    """
+    first = max(FOR_EACH * count, AT_LEAST)
+    if len(points) > 1.2 * first:
+        points, faces = _coarse(points, faces, 2 * first)
+    return _Collapser(points, faces).run(count)
+
+
+def _coarse(points: FloatArray, faces: IntArray, target: int) -> tuple[FloatArray, IntArray]:
+    middle, size = points.mean(axis=0), float(np.ptp(points, axis=0).max()) / SIZE
+    moved, left = fast_simplification.simplify(
+        (points - middle) / size, faces.astype(np.int32), target_count=target
+    )
+    left = left.astype(np.int64)
+    a, b, c = left.T
+    left = left[(a != b) & (b != c) & (c != a)]
+    used, corners = np.unique(left, return_inverse=True)
+    return moved[used] * size + middle, corners.reshape(-1, 3)
+
+
+class _Collapser:
+    """A mesh as sets, with the quadric (sum of squared distances to planes) of each point."""
+
+    def __init__(self, points: FloatArray, faces: IntArray) -> None:
+        self.points = [np.array(point) for point in points]
+        self.faces: dict[int, tuple[int, int, int]] = {
+            i: (int(a), int(b), int(c)) for i, (a, b, c) in enumerate(faces)
+        }
+        self.at: list[set[int]] = [set() for _ in points]
+        for number, face in self.faces.items():
+            for corner in face:
+                self.at[corner].add(number)
+        self.matrix, self.vector, self.constant = _quadrics(points, faces)
+        self.version = [0] * len(points)
+
+    def ring(self, point: int) -> set[int]:
+        """Return the neighbours of a point."""
+        return {corner for number in self.at[point] for corner in self.faces[number]} - {point}
+
+    def run(self, count: int) -> tuple[FloatArray, IntArray]:
+        """Collapse until `count` points are left."""
+        alive = sum(1 for there in self.at if there)
+        heap: list[tuple[float, int, int, int, int]] = []
+        for point in range(len(self.points)):
+            for other in self.ring(point):
+                if point < other:
+                    self._push(heap, point, other)
+        heapq.heapify(heap)
+        while alive > count and heap:
+            _, a, b, first, second = heapq.heappop(heap)
+            if self.version[a] != first or self.version[b] != second or not self.at[a] or not self.at[b]:
+                continue
+            place = self._place(a, b)[1]
+            if not self._allowed(a, b, place):
+                continue
+            self._collapse(a, b, place)
+            alive -= 1
+            for other in self.ring(a):
+                self._push(heap, min(a, other), max(a, other))
+        return self._result()
+
+    def _push(self, heap: list[tuple[float, int, int, int, int]], a: int, b: int) -> None:
+        heapq.heappush(heap, (self._place(a, b)[0], a, b, self.version[a], self.version[b]))
+
+    def _place(self, a: int, b: int) -> tuple[float, FloatArray]:
+        matrix, vector = self.matrix[a] + self.matrix[b], self.vector[a] + self.vector[b]
+        middle = 0.5 * (self.points[a] + self.points[b])
+        hold = STILL * (matrix[0, 0] + matrix[1, 1] + matrix[2, 2]) + 1e-30
+        place = np.linalg.solve(matrix + hold * np.eye(3), vector + hold * middle)
+        step = place - middle
+        edge = self.points[a] - self.points[b]
+        if step @ step > edge @ edge:
+            place = middle
+        cost = place @ matrix @ place - 2.0 * (vector @ place) + self.constant[a] + self.constant[b]
+        return max(float(cost), 0.0) + 1e-9 * float(edge @ edge) ** 2, place
+
+    def _allowed(self, a: int, b: int, place: FloatArray) -> bool:
+        shared = self.at[a] & self.at[b]
+        if not 1 <= len(shared) <= 2:
+            return False
+        opposite = {corner for number in shared for corner in self.faces[number]} - {a, b}
+        if self.ring(a) & self.ring(b) != opposite:
+            return False
+        if len(self.at[a] | self.at[b]) <= 4:  # a tetrahedron stays
+            return False
+        if len(shared) == 2 and self._on_border(a) and self._on_border(b):
+            return False
+        return all(self._keeps_side(number, {a, b}, place) for number in (self.at[a] | self.at[b]) - shared)
+
+    def _on_border(self, point: int) -> bool:
+        return len(self.ring(point)) != len(self.at[point])
+
+    def _keeps_side(self, number: int, ends: set[int], place: FloatArray) -> bool:
+        before = [self.points[corner] for corner in self.faces[number]]
+        after = [place if corner in ends else self.points[corner] for corner in self.faces[number]]
+        one, other = _normal(*before), _normal(*after)
+        sizes = float((one @ one) * (other @ other))
+        return float(one @ other) > LEAST_COSINE * sizes**0.5 or not one.any()
+
+    def _collapse(self, a: int, b: int, place: FloatArray) -> None:
+        for number in self.at[a] & self.at[b]:
+            for corner in self.faces.pop(number):
+                self.at[corner].discard(number)
+        for number in self.at[b]:
+            x, y, z = (a if corner == b else corner for corner in self.faces[number])
+            self.faces[number] = (x, y, z)
+            self.at[a].add(number)
+        self.at[b] = set()
+        self.points[a] = place
+        self.matrix[a] += self.matrix[b]
+        self.vector[a] += self.vector[b]
+        self.constant[a] += self.constant[b]
+        self.version[a] += 1
+
+    def _result(self) -> tuple[FloatArray, IntArray]:
+        faces = np.array(list(self.faces.values()), np.int64).reshape(-1, 3)
+        used, corners = np.unique(faces, return_inverse=True)
+        return np.array(self.points)[used].reshape(-1, 3), corners.reshape(-1, 3)
+
+
+def _normal(a: FloatArray, b: FloatArray, c: FloatArray) -> FloatArray:
+    (ux, uy, uz), (vx, vy, vz) = (b - a).tolist(), (c - a).tolist()
+    return np.array([uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx])
+
+
+def _quadrics(points: FloatArray, faces: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return matrices (p, 3, 3), vectors (p, 3) and constants (p,): planes weighted by area, and border walls."""
+    vectors = area_vectors(points, faces)
+    areas = np.maximum(np.sqrt((vectors**2).sum(axis=1)), 1e-300)
+    planes, corners, weights = [vectors / areas[:, None]], [faces], [areas / 3.0]
+    wall, ends, size = _walls(points, faces, planes[0])
+    planes.append(wall)
+    corners.append(np.concatenate([ends, ends[:, :1]], axis=1))
+    weights.append(BORDER * size)
+    matrix, vector, constant = (
+        np.zeros((len(points), 3, 3)),
+        np.zeros((len(points), 3)),
+        np.zeros(len(points)),
+    )
+    for normal, corner, weight in zip(planes, corners, weights, strict=True):
+        height = np.einsum("ij,ij->i", normal, points[corner[:, 0]])
+        outer = weight[:, None, None] * normal[:, :, None] * normal[:, None, :]
+        for column in corner.T:
+            np.add.at(matrix, column, outer)
+            np.add.at(vector, column, (weight * height)[:, None] * normal)
+            np.add.at(constant, column, weight * height**2)
+    return matrix, vector, constant
+
+
+def _walls(
+    points: FloatArray, faces: IntArray, normals: FloatArray
+) -> tuple[FloatArray, IntArray, FloatArray]:
+    """Return normals of walls on the border edges, the edges (b, 2), and their squared lengths."""
+    start, end = faces.ravel(), faces[:, [1, 2, 0]].ravel()
+    low, high = np.minimum(start, end), np.maximum(start, end)
+    key = low * len(points) + high
+    _, place, times = np.unique(key, return_inverse=True, return_counts=True)
+    border = np.flatnonzero(times[place] == 1)
+    ends = np.stack([start[border], end[border]], axis=1)
+    along = points[ends[:, 1]] - points[ends[:, 0]]
+    wall = np.cross(along, normals[border // 3])
+    length = np.maximum(np.sqrt((wall**2).sum(axis=1)), 1e-300)
+    return wall / length[:, None], ends, (along**2).sum(axis=1)
