@@ -6,15 +6,27 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
 
 from meshmark.errors import InputError
+from meshmark.geometry.adjacency import adjacency, unique_edges
+from meshmark.geometry.areas import area_vectors
+from meshmark.geometry.closest_point import SurfaceIndex
 from meshmark.geometry.weld import Welded
 from meshmark.mesh import FloatArray, IntArray
+from meshmark.recovery.filling import fill_holes
 from meshmark.recovery.miniature import read_miniature
-from meshmark.recovery.moving import draw_back
+from meshmark.recovery.moving import Drawing
 from meshmark.recovery.placing import place_miniature
 
 __all__ = ["Recovered", "recover"]
+
+# A part that lies off the miniature by less than this share of what the intact part does is as it was.
+AS_IT_WAS = 0.7
+# A part is cut out where it cannot be drawn back: this share of its faces turn over.
+TURNED = 0.1
+MOST_JUDGES = 20_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,19 +47,87 @@ class Recovered:
 def recover(suspect: Welded, altered: NDArray[np.bool_], miniature: bytes) -> Recovered:
     """Return the suspect with its altered parts as the miniature has them; what is not altered stays bit by bit.
 
-    altered: (p,) of the suspect's points. Raises `InputError` where they do not match the suspect, and where the
-    miniature is damaged or does not fit the rest.
+    altered: (p,) of the suspect's points. Moved parts are drawn back; parts of their own, and those that cannot be
+    drawn back, are cut out; holes are filled. Raises `InputError` where the mask does not match the suspect, and
+    where the miniature is damaged or does not fit the rest.
     """
     if altered.shape != (len(suspect.points),):
         raise InputError(f"{len(altered)} points are called altered or not, expected {len(suspect.points)}")
     places, mini_faces = read_miniature(miniature)
     used = np.zeros(len(suspect.points), bool)
     used[suspect.faces] = True
-    pose = place_miniature(
-        (places, mini_faces), suspect.points, suspect.faces, np.flatnonzero(used & ~altered)
-    )
-    points = draw_back(suspect.points, suspect.faces, altered, (pose(places), mini_faces))
-    moved = (points != suspect.points).any(axis=1)
-    return Recovered(
-        points, suspect.faces, np.arange(len(points)), moved, np.zeros(len(suspect.faces), dtype=bool)
-    )
+    intact = np.flatnonzero(used & ~altered)
+    pose = place_miniature((places, mini_faces), suspect.points, suspect.faces, intact)
+    mini = (pose(places), mini_faces)
+    points, cut = _drawn_back(suspect, altered & used, intact, mini)
+    faces = suspect.faces[~cut[suspect.faces].any(axis=1)]
+    touched = altered.copy()
+    touched[suspect.faces[cut[suspect.faces].any(axis=1)]] = True
+    filled = fill_holes(points, faces, touched, mini)
+    return _result(suspect, filled.points, filled.faces, len(faces), used)
+
+
+def _drawn_back(
+    suspect: Welded, altered: NDArray[np.bool_], intact: IntArray, mini: tuple[FloatArray, IntArray]
+) -> tuple[FloatArray, NDArray[np.bool_]]:
+    """Return the points after each altered part was drawn back, and which ones must be cut out instead."""
+    graph = adjacency(unique_edges(suspect.faces), len(suspect.points))
+    part = _parts(graph, altered)
+    drawing = Drawing(suspect.points, suspect.faces, graph, altered, mini)
+    some = intact[:: max(len(intact) // MOST_JUDGES, 1)]
+    usual = float(np.sqrt(np.mean(drawing.index.nearest(suspect.points[some]).distances ** 2)))
+    off = np.zeros(len(altered))
+    off[altered] = drawing.off()
+    size = np.bincount(part[altered], minlength=int(part.max(initial=-1)) + 1)
+    spread = np.sqrt(np.bincount(part[altered], off[altered] ** 2, len(size)) / np.maximum(size, 1))
+    tied = np.zeros(len(size), bool)
+    tied[part[altered & (np.asarray(graph @ (~altered).astype(float)) > 0.0)]] = True
+    keep = spread <= AS_IT_WAS * usual
+    moving = altered & (~keep & tied)[part]
+    points = drawing.draw(moving)
+    turned = _turned(points, suspect.faces, moving, drawing.index, mini)
+    share = np.bincount(part[altered], turned[altered], len(size)) / np.maximum(size, 1)
+    cut = altered & ((~keep & ~tied) | (share > TURNED))[part]
+    return np.where(cut[:, None], suspect.points, points), cut
+
+
+def _parts(graph: csr_array, altered: NDArray[np.bool_]) -> IntArray:
+    """Return (p,): the number of the connected part of the altered points, 0 also for the others."""
+    rows = np.flatnonzero(altered)
+    part = np.zeros(len(altered), np.int64)
+    if len(rows):
+        part[rows] = connected_components(graph[rows][:, rows], directed=False)[1]
+    return part
+
+
+def _turned(
+    points: FloatArray,
+    faces: IntArray,
+    moving: NDArray[np.bool_],
+    index: SurfaceIndex,
+    mini: tuple[FloatArray, IntArray],
+) -> FloatArray:
+    """Return (p,): the share of the faces at each moving point that face away from the miniature."""
+    some = np.flatnonzero(moving[faces].any(axis=1))
+    out = np.zeros(len(points))
+    if not len(some):
+        return out
+    nearest = index.nearest(points[faces[some]].mean(axis=1)).faces
+    away = np.einsum("ij,ij->i", area_vectors(points, faces[some]), area_vectors(*mini)[nearest]) < 0.0
+    total = np.bincount(faces[some].ravel(), minlength=len(points))
+    out = np.bincount(faces[some].ravel(), np.repeat(away, 3), len(points))
+    return np.asarray(out / np.maximum(total, 1))
+
+
+def _result(
+    suspect: Welded, points: FloatArray, faces: IntArray, old: int, used: NDArray[np.bool_]
+) -> Recovered:
+    kept = np.zeros(len(points), bool)
+    kept[: len(used)] = ~used  # loose points stay
+    kept[faces] = True
+    origin = np.where(np.arange(len(points)) < len(used), np.arange(len(points)), -1)[kept]
+    places = points[kept]
+    moved = np.zeros(len(places), bool)
+    there = origin >= 0
+    moved[there] = (places[there] != suspect.points[origin[there]]).any(axis=1)
+    return Recovered(places, (np.cumsum(kept) - 1)[faces], origin, moved, np.arange(len(faces)) >= old)
