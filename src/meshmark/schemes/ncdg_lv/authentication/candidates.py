@@ -22,6 +22,7 @@ from meshmark.schemes.ncdg_lv.authentication.parameters import (
     AMBIGUOUS,
     HASH_STEP,
     HASH_STEPS,
+    LEVELS,
     REACH,
     SPREAD,
     TOLERANCE,
@@ -41,6 +42,7 @@ __all__ = [
 
 HEADER, PLACE, PAYLOAD = 0, 1, 2
 """What the symbol of a mark is: a piece of the model's id, the mark's place, or a symbol of the payload."""
+_TINY: Final = 1e-300
 # Of 32 marks so many carry the id, and so many their place.
 _HEADERS: Final = 3
 _PLACES: Final = 2
@@ -55,7 +57,7 @@ class Candidates:
     vertex: (c,) the middle points. level: (c,) of the step; step: (c,) in scene units. axes: (c, 3, 3) rows.
     centre: (c, 3) the mean of the ring. kind: (c,) HEADER, PLACE or PAYLOAD; index: (c,) uint32 of the symbol.
     words: (c, 7) uint64, the ring's keyed numbers. place: (c, 3) of the point in its ring, in steps, less the dither:
-    a mark has whole numbers here.
+    a mark has whole numbers here. rim: (c,) a bit for each neighbour that is on a boundary, in the ring's order.
     """
 
     vertex: IntArray
@@ -67,6 +69,7 @@ class Candidates:
     index: NDArray[np.uint32]
     words: NDArray[np.uint64]
     place: FloatArray
+    rim: IntArray
 
     def take(self, rows: IntArray | NDArray[np.bool_]) -> Candidates:
         """Return these rows."""
@@ -80,9 +83,9 @@ def joined(parts: list[Candidates]) -> Candidates:
     )
 
 
-def level_of(size: FloatArray, unit: float) -> FloatArray:
-    """Return the levels (r,), not rounded down, whose step is `unit` in rings of these sizes (r,)."""
-    return np.asarray(2.0 * np.log2(np.maximum(size, 1e-300) / unit))
+def level_of(shapes: RingShapes, unit: float) -> FloatArray:
+    """Return (r,): the levels, not rounded down, whose step is `unit` (scene units) times the ring's spread."""
+    return np.asarray(2.0 * np.log2(np.maximum(shapes.size / shapes.spread, _TINY) / unit))
 
 
 def step_of(level: IntArray) -> FloatArray:
@@ -91,17 +94,20 @@ def step_of(level: IntArray) -> FloatArray:
 
 
 def eligible(shapes: RingShapes, unit: float, levels: int, margin: float = 1.0) -> NDArray[np.bool_]:
-    """Return (r,): which rings may have a mark, for a smallest step `unit` in scene units and `levels` of it.
+    """Return (r,): which rings may have a mark, for a step of `unit` (scene units) and `levels` of it.
 
     With a `margin` above 1 fewer may: those that still do after a small change.
     """
-    fits = shapes.size * REACH >= margin * levels * unit * np.sqrt(2.0)
-    firm = shapes.spread * margin <= SPREAD
-    level = np.maximum(np.floor(level_of(shapes.size, unit)), 0.0).astype(np.int64)
-    near = _nearness(_lengths(shapes, level)[0], level) <= margin * TOLERANCE
-    ties = shapes.distance >= (shapes.distance.max(axis=1) - margin * TOLERANCE * step_of(level))[:, None]
+    exact = level_of(shapes, unit)
+    firm = (shapes.spread * margin <= SPREAD) & shapes.normal.any(axis=1)
+    level = np.clip(np.floor(exact), LEVELS[0], LEVELS[-1]).astype(np.int64)
+    fits = (exact >= LEVELS[0]) & (levels * margin <= REACH * 2.0 ** (exact / 2.0) / np.sqrt(2.0))
+    values, cell = _lengths(shapes, level)
+    tolerance = margin * _tolerance(shapes, level)
+    near = np.abs(values - np.round(values)) <= (tolerance / cell)[:, None]
+    ties = shapes.distance >= (shapes.distance.max(axis=1) - tolerance)[:, None]
     clear = (near.sum(axis=1) <= AMBIGUOUS) & (ties.sum(axis=1) <= ALTERNATIVES)
-    return np.asarray(fits & firm & clear & (shapes.normal.any(axis=1)))
+    return np.asarray(fits & firm & clear)
 
 
 def candidates(
@@ -109,7 +115,8 @@ def candidates(
 ) -> Candidates:
     """Return the candidates of rings with these levels (r,): the plain one each, or `all_ways`."""
     step = step_of(level)
-    row, first = starts(shapes.distance, TOLERANCE * step if all_ways else np.zeros(len(step)))
+    tolerance = _tolerance(shapes, level)
+    row, first = starts(shapes.distance, tolerance if all_ways else np.zeros(len(step)))
     if not all_ways:
         row, unique = np.unique(row, return_index=True)
         first = first[unique]
@@ -123,7 +130,7 @@ def candidates(
     )
     whole = np.floor(values).astype(np.int64)
     if all_ways:
-        again, whole = _roundings(values, whole, TOLERANCE * step[row] / cell[row])
+        again, whole = _roundings(values, whole, (tolerance / cell)[row])
         row, order = row[again], order[again]
     words = cell_words(subkey, np.concatenate([_heads(rings, level)[row], whole], axis=1), 7)
     offsets = shapes.offsets[row[:, None], order]
@@ -135,8 +142,18 @@ def candidates(
     kind = (words[:, 0] >> np.uint64(59)).astype(np.int64)
     kind = np.where(kind < _HEADERS, HEADER, np.where(kind < _HEADERS + _PLACES, PLACE, PAYLOAD))
     index = (words[:, 0] & np.uint64(0xFFFFFFFF)).astype(np.uint32)
+    rim = rings.rim[row[:, None], order] @ (1 << np.arange(size))
     return Candidates(
-        vertex, level[row], step[row] * shapes.size[row], axes, shapes.centre[row], kind, index, words, place
+        vertex,
+        level[row],
+        step[row] * shapes.size[row],
+        axes,
+        shapes.centre[row],
+        kind,
+        index,
+        words,
+        place,
+        rim,
     )
 
 
@@ -146,10 +163,9 @@ def _lengths(shapes: RingShapes, level: IntArray) -> tuple[FloatArray, FloatArra
     return np.concatenate([shapes.distance, shapes.chord], axis=1) / cell[:, None] + _SHIFT, cell
 
 
-def _nearness(values: FloatArray, level: IntArray) -> FloatArray:
-    """Return how far lengths (r, n) are from a rounding boundary, in steps of the mark."""
-    scale = np.minimum(HASH_STEPS, HASH_STEP / step_of(level))
-    return np.asarray(np.abs(values - np.round(values)) * scale[:, None])
+def _tolerance(shapes: RingShapes, level: IntArray) -> FloatArray:
+    """Return by how much (r,), in ring sizes, a length may be off."""
+    return np.asarray(TOLERANCE * step_of(level) / shapes.spread)
 
 
 def _roundings(values: FloatArray, whole: IntArray, tolerance: FloatArray) -> tuple[IntArray, IntArray]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import log10, sqrt
+from math import sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,15 +26,14 @@ from meshmark.schemes.ncdg_lv.authentication.candidates import (
     eligible,
     joined,
     level_of,
+    step_of,
 )
 from meshmark.schemes.ncdg_lv.authentication.parameters import (
     DEVIATIONS,
     LAYOUTS,
-    MARK_SHARE,
     MARKS_NEEDED,
     PSNR_LEAST,
     PSNR_WANTED,
-    SPREAD,
     Layout,
 )
 from meshmark.schemes.ncdg_lv.authentication.symbols import header_symbols, place_symbols
@@ -42,6 +41,8 @@ from meshmark.schemes.ncdg_lv.authentication.words import PURPOSE, bind, places_
 
 __all__ = ["Marked", "Plan", "SymbolSource", "mark", "plan"]
 
+# Fewest of the points that may be marks that then are, about: what needs more room than this is not tried.
+_MARK_SHARE = 0.22
 SymbolSource = Callable[[NDArray[np.uint32]], NDArray[np.uint16]]
 
 
@@ -111,7 +112,7 @@ def mark(surface: Welded, key: Key, nonce: int, symbols: SymbolSource, precision
     symbol[payload] = symbols(found.index[payload])
     if symbol.max(initial=0) >> layout.symbol:
         raise InputError(f"a payload symbol is out of range, expected {layout.symbol} bits")
-    words = words_of(symbol, bind(found, key, nonce), layout)
+    words = words_of(symbol, found.rim, bind(found, key, nonce), layout)
     change = places_of(words, found.place, layout) - found.place
     points = surface.points.copy()
     points[found.vertex] += np.einsum("rj,rji->ri", change * found.step[:, None], found.axes)
@@ -121,27 +122,57 @@ def mark(surface: Welded, key: Key, nonce: int, symbols: SymbolSource, precision
 def _prepared(surface: Welded, key: Key, precision: float) -> tuple[Plan, Candidates]:
     if not (np.isfinite(precision) and precision > 0.0):
         raise InputError(f"a precision of {precision:g} is out of range, expected a number above 0")
-    points, faces = surface.points, surface.faces
-    unit = 2.0 * DEVIATIONS * SPREAD / sqrt(3.0) * precision
-    layout = _layout(unit, _diagonal(surface))
-    rings = ordered_rings(faces, len(points))
+    points = surface.points
+    unit = 2.0 * DEVIATIONS / sqrt(3.0) * precision
+    radius = _frame(surface)[1]
+    rings = ordered_rings(surface.faces, len(points))
     shapes = [ring_shapes(points, group) for group in rings]
-    usable = [eligible(shape, unit, layout.levels) for shape in shapes]
-    allowed = np.zeros(len(points), bool)
-    for group, good in zip(rings, usable, strict=True):
-        allowed[group.vertex[good]] = True
+    parts = list(zip(rings, shapes, strict=True))
     chance = unit_interval(keyed_words(key.subkey("authentication choice of marks"), len(points)))
-    chosen = independent_points(faces, allowed, chance)
+    for wanted in (PSNR_WANTED, PSNR_LEAST):
+        most = 2.0 * radius * 10.0 ** (-wanted / 20.0)
+        for layout in LAYOUTS.values():
+            allowed = _allowed(len(points), parts, unit, layout)
+            if _rms(parts, allowed, unit, layout) * sqrt(_MARK_SHARE) > most:
+                continue
+            chosen = independent_points(surface.faces, allowed, chance)
+            if _rms(parts, chosen, unit, layout) <= most:
+                return _plan(points, parts, chosen, unit, layout, key)
+    raise CapacityError(
+        "the precision of the file is too coarse for invisible marks of authentication, expected more digits"
+    )
+
+
+_Parts = list[tuple[Rings, RingShapes]]
+
+
+def _plan(
+    points: FloatArray, parts: _Parts, chosen: NDArray[np.bool_], unit: float, layout: Layout, key: Key
+) -> tuple[Plan, Candidates]:
     if chosen.sum() < MARKS_NEEDED:
         raise CapacityError(
             f"the model has room for {int(chosen.sum())} marks of authentication, needs {MARKS_NEEDED}; "
             "it has too few points, or too fine ones for the precision of its file"
         )
-    found = joined(
-        [_plain(points, group, shape, chosen, unit, key) for group, shape in zip(rings, shapes, strict=True)]
-    )
-    index = found.index[found.kind == PAYLOAD]
-    return Plan(found.vertex, index, layout, unit), found
+    found = joined([_plain(points, *part, chosen, unit, key) for part in parts])
+    return Plan(found.vertex, found.index[found.kind == PAYLOAD], layout, unit), found
+
+
+def _allowed(count: int, parts: _Parts, unit: float, layout: Layout) -> NDArray[np.bool_]:
+    allowed = np.zeros(count, bool)
+    for group, shape in parts:
+        allowed[group.vertex[eligible(shape, unit, layout.levels)]] = True
+    return allowed
+
+
+def _rms(parts: _Parts, chosen: NDArray[np.bool_], unit: float, layout: Layout) -> float:
+    """Return the RMS displacement of all points where the chosen (p,) are marks: uniform in the span of three axes."""
+    square = 0.0
+    for group, shape in parts:
+        some = shape.take(chosen[group.vertex])
+        step = some.size * step_of(np.floor(level_of(some, unit)).astype(np.int64))
+        square += float(step @ step)
+    return layout.levels * sqrt(square * 3.0 / 12.0 / len(chosen))
 
 
 def _plain(
@@ -149,25 +180,8 @@ def _plain(
 ) -> Candidates:
     rows = np.flatnonzero(chosen[rings.vertex])
     shapes = shapes.take(rows)
-    level = np.floor(level_of(shapes.size, unit)).astype(np.int64)
+    level = np.floor(level_of(shapes, unit)).astype(np.int64)
     return candidates(points, rings.take(rows), shapes, level, key.subkey(PURPOSE), all_ways=False)
-
-
-def _layout(unit: float, diagonal: float) -> Layout:
-    """Return the layout with most bits that moves the points little enough."""
-    for wanted in (PSNR_WANTED, PSNR_LEAST):
-        for layout in LAYOUTS.values():
-            # Uniform in the span of each of three axes; steps are spread evenly over a factor sqrt 2.
-            rms = layout.levels * unit * sqrt(1.44 * 3.0 / 12.0 * MARK_SHARE)
-            if -20.0 * log10(rms / diagonal) >= wanted:
-                return layout
-    raise CapacityError(
-        "the precision of the file is too coarse for invisible marks of authentication; a file with more digits may do"
-    )
-
-
-def _diagonal(surface: Welded) -> float:
-    return 2.0 * _frame(surface)[1]
 
 
 def _frame(surface: Welded) -> tuple[FloatArray, float]:

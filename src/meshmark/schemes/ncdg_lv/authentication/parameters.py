@@ -15,7 +15,6 @@ __all__ = [
     "LAYOUTS",
     "LEVELS",
     "MARKS_NEEDED",
-    "MARK_SHARE",
     "PSNR_LEAST",
     "PSNR_WANTED",
     "REACH",
@@ -46,29 +45,28 @@ class Layout:
         return ceil(2.0 ** (self.bits / 3.0) - 1e-9)
 
 
-# 7 bits of MAC let one altered mark in 128 through; more are taken from the room that is left above 10 bits of symbol.
+# 6 bits of MAC let one altered mark in 64 through, fewer where marks lie near their whole places (`checks`); room
+# above 10 bits of symbol goes to the MAC.
 LAYOUTS: Final = {
     bits: Layout(bits, check)
-    for bits, check in {18: 8, 17: 7, 16: 7, 15: 7, 14: 7, 13: 7, 12: 7, 11: 7, 10: 6}.items()
+    for bits, check in {18: 8, 17: 7, 16: 6, 15: 6, 14: 6, 13: 6, 12: 6, 11: 6, 10: 6}.items()
 }
 # Step of a ring in units of its size: 2^(-level / 2), which keeps the step in scene units within a factor 1.42.
-LEVELS: Final = range(8, 45)
+LEVELS: Final = range(8, 39)
 # Marks move at most half of this, in ring sizes, along each axis.
 REACH: Final = 0.6
-# Largest growth of an error in a ring that may carry a mark (`RingShapes.spread`).
-SPREAD: Final = 3.6
-# Half a step is so many standard deviations of the error of the worst ring.
+# Largest growth of an error in a ring that may carry a mark (`RingShapes.spread`): beyond are slivers.
+SPREAD: Final = 10.0
+# Half a step is so many standard deviations of the error of the mark's place.
 DEVIATIONS: Final = 5.0
 # The ring's hash takes its lengths in units of so many steps, but of no more than so many ring sizes.
 HASH_STEPS: Final = 32.0
 HASH_STEP: Final = 1.0 / 16.0
-# A length may be off by so many steps: an error of two points instead of a whole ring.
-TOLERANCE: Final = 0.2
+# A length of the ring may be off by so many steps over the ring's spread: the error of two points, not of a ring.
+TOLERANCE: Final = 0.8
 # So many lengths of a ring may be near a rounding boundary, and so many neighbours the farthest.
 AMBIGUOUS: Final = 3
 ALTERNATIVES: Final = 8
-# Share of the points that are marks, for the plan.
-MARK_SHARE: Final = 0.3
 # PSNR of this layer alone, in dB: bits are given up to reach the one; without the other there is no mark.
 PSNR_WANTED: Final = 80.5
 PSNR_LEAST: Final = 70.0

@@ -1,0 +1,128 @@
+"""Which marks that hold also lie where they were: parts that were moved whole, or pasted, are found here.
+
+A part that is moved as one keeps the marks inside it. But it hangs together with the rest by no mark that holds, and
+some of its marks say where in the model they belong.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial.transform import Rotation
+
+from meshmark.geometry.adjacency import unique_edges
+from meshmark.mesh import FloatArray, IntArray
+
+__all__ = ["Evidence", "in_place"]
+
+# Fewer marks of the largest part that tell their place cannot say where the model lies.
+_NEEDED = 12
+# A part may be this far from its place, in steps of the symbol; half a step is rounding.
+_SLACK = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """What e marks say of their places.
+
+    vertex: (e,). centre: (e, 3) of the ring in the suspect. direction: (e, 3) unit and value: (e,) where the centre lay
+    along it in the marked model, in half diagonals from the middle. step: of the value.
+    """
+
+    vertex: IntArray
+    centre: FloatArray
+    direction: FloatArray
+    value: FloatArray
+    step: float
+
+
+def in_place(
+    faces: IntArray,
+    passed: NDArray[np.bool_],
+    pairs: IntArray,
+    failing: NDArray[np.bool_],
+    evidence: Evidence,
+) -> NDArray[np.bool_]:
+    """Return (p,): which of the marks that hold, `passed` (p,), to believe.
+
+    pairs: (n, 2) each mark that holds and a point of its ring. failing: (p,) points that no mark vouches for, though
+    one should. Marks that share points of their rings are one part. The largest part is believed; another one where
+    most of its own evidence agrees with the largest part's, or, without any, where it touches nothing that fails: a
+    shell of its own.
+    """
+    part = _parts(pairs, len(passed))
+    count = int(part.max(initial=-1)) + 1
+    if not passed.any():
+        return passed
+    main = int(np.bincount(part[passed], minlength=count).argmax())
+    agrees, disputes = _votes(part, main, evidence, count)
+    touched = np.zeros(count, bool)
+    edges = unique_edges(faces)
+    for start, end in (edges.T, edges[:, ::-1].T):
+        touched[part[start[failing[end] & ~failing[start]]]] = True
+    touched[part[failing]] = True
+    believed = np.where(disputes > agrees, False, (agrees >= _least(agrees, touched)))
+    believed[main] = True
+    return passed & believed[part]
+
+
+def _least(agrees: IntArray, touched: NDArray[np.bool_]) -> IntArray:
+    """Return (parts,) how many marks must agree: two next to something that fails, none for a shell of its own."""
+    return np.where(touched, np.full_like(agrees, 2), 0)
+
+
+def _parts(pairs: IntArray, count: int) -> IntArray:
+    graph = csr_array((np.ones(len(pairs), np.int8), pairs.T), shape=(count, count))
+    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
+
+
+def _votes(part: IntArray, main: int, evidence: Evidence, count: int) -> tuple[IntArray, IntArray]:
+    """Return how many marks of each part lie, and do not lie, where the largest part puts them."""
+    own = part[evidence.vertex] == main
+    misfit = _misfit(evidence, own)
+    if misfit is None:
+        return np.zeros(count, np.int64), np.zeros(count, np.int64)
+    right = misfit <= (0.5 + _SLACK) * evidence.step
+    where = part[evidence.vertex]
+    return np.bincount(where[right], minlength=count), np.bincount(where[~right], minlength=count)
+
+
+def _misfit(evidence: Evidence, own: NDArray[np.bool_]) -> FloatArray | None:
+    """Return (e,): how far each mark lies from where it says, after the similarity that suits `own` (e,) best."""
+    if own.sum() < _NEEDED:
+        return None
+    middle = evidence.centre[own].mean(axis=0)
+    points = evidence.centre - middle
+    size = float(np.sqrt((points[own] ** 2).sum(axis=1).mean()))
+    points /= size if size > 0.0 else 1.0
+    direction, value = evidence.direction, evidence.value
+    use = own
+    turn, scale, shift = _first_guess(points[use], direction[use], value[use])
+    for _ in range(8):
+        moved = scale * points @ turn.T
+        misfit = np.einsum("ei,ei->e", moved + shift, direction) - value
+        use = own & (np.abs(misfit) <= max(3.0 * float(np.median(np.abs(misfit[own]))), evidence.step))
+        columns = [np.cross(moved, direction), direction, np.einsum("ei,ei->e", moved, direction)[:, None]]
+        change = np.linalg.lstsq(np.concatenate(columns, axis=1)[use], -misfit[use], rcond=1e-9)[0]
+        turn = Rotation.from_rotvec(change[:3]).as_matrix() @ turn
+        shift = shift + change[3:6]
+        scale *= float(np.exp(np.clip(change[6], -1.0, 1.0)))
+    misfit = np.einsum("ei,ei->e", scale * points @ turn.T + shift, direction) - value
+    if np.median(np.abs(misfit[own])) > evidence.step:
+        return None
+    return np.asarray(np.abs(misfit))
+
+
+def _first_guess(
+    points: FloatArray, direction: FloatArray, value: FloatArray
+) -> tuple[FloatArray, float, FloatArray]:
+    """Return rotation, scale and shift near the affine map that suits best."""
+    columns = (direction[:, :, None] * points[:, None, :]).reshape(len(points), 9)
+    solved = np.linalg.lstsq(np.concatenate([columns, direction], axis=1), value, rcond=1e-6)[0]
+    u, s, vt = np.linalg.svd(solved[:9].reshape(3, 3))
+    sign = np.sign(np.linalg.det(u @ vt))
+    return np.asarray(u * [1.0, 1.0, sign] @ vt), float(s[:2].mean()), np.asarray(solved[9:])
