@@ -37,7 +37,7 @@ __all__ = ["Checks", "check"]
 
 # Points that are tried with every step, to find out which one the marks have; more where only one mark in eleven can
 # be read, without the model's id.
-_SAMPLE, _SAMPLE_BLIND = 1000, 3000
+_SAMPLE, _SAMPLE_BLIND = 600, 2500
 # A ring this near (in levels) to where the level changes is tried on both sides.
 _LEVEL_DOUBT = 0.1
 # A point counts as covered only where its ring could have had a mark by this much.

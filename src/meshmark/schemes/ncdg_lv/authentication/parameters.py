@@ -57,13 +57,14 @@ LEVELS: Final = range(8, 39)
 REACH: Final = 0.6
 # Largest growth of an error in a ring that may carry a mark (`RingShapes.spread`): beyond are slivers.
 SPREAD: Final = 10.0
-# Half a step is so many standard deviations of the error of the mark's place.
-DEVIATIONS: Final = 5.0
+# Half a step is so many standard deviations of the error of the mark's place, as the spread foretells it; measured on the
+# training models it is 0.7 of that at most, so half a step is 5.7 deviations.
+DEVIATIONS: Final = 4.0
 # The ring's hash takes its lengths in units of so many steps, but of no more than so many ring sizes.
 HASH_STEPS: Final = 32.0
 HASH_STEP: Final = 1.0 / 16.0
 # A length of the ring may be off by so many steps over the ring's spread: the error of two points, not of a ring.
-TOLERANCE: Final = 0.8
+TOLERANCE: Final = 1.0
 # So many lengths of a ring may be near a rounding boundary, and so many neighbours the farthest.
 AMBIGUOUS: Final = 3
 ALTERNATIVES: Final = 8
