@@ -68,7 +68,8 @@ class ErasureCode:
 def capacity(symbols: int, symbol_bits: int) -> int:
     """Return how many bytes can nearly always be decoded from so many right symbols of random indices."""
     _check_bits(symbol_bits)
-    usable = symbols * (1.0 - 1.0 / PILOT)
+    pilots = symbols / PILOT
+    usable = symbols - pilots - 2.0 * pilots**0.5
     counts = sizes()[sizes() >= 1]
     segments = Graph.segments_of(counts)
     # Symbols fall into segments at random: the emptiest of them must have enough.
@@ -91,7 +92,7 @@ def decode(index: NDArray[np.uint32], value: Symbols, symbol_bits: int) -> bytes
     data, held = index[~pilot], value[~pilot]
     for ladder in _likely_sizes(index[pilot], value[pilot], symbol_bits, len(data)):
         graph = Graph(int(sizes()[ladder]))
-        found = solve(graph, data, held)
+        found = solve(graph, data, held, symbol_bits)
         if found is not None and (message := _opened(found, symbol_bits)) is not None:
             return message
     return None

@@ -20,7 +20,7 @@ SPARSE_SHARE, SPARSE, SPARSE_DEGREE = 0.01, 4, 3
 DENSE = 10
 # Degrees of the symbols (Shokrollahi's distribution, without its rarest degree), and their shares.
 DEGREES = np.array([1, 2, 3, 4, 5, 8, 9, 19, 65])
-SHARES = np.array([0.008, 0.494, 0.166, 0.073, 0.083, 0.056, 0.037, 0.056, 0.027])
+SHARES = np.array([0.03, 0.472, 0.166, 0.073, 0.083, 0.056, 0.037, 0.056, 0.027])
 _GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 
 Symbols = NDArray[np.uint16]

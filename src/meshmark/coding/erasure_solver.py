@@ -5,40 +5,77 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from meshmark.coding.erasure_graph import DENSE, Graph
+from meshmark.coding.erasure_belief import trust
+from meshmark.coding.erasure_graph import DENSE, Graph, mix
+from meshmark.mesh import IntArray
 
 __all__ = ["eliminate", "solve"]
 
 SPARE = 24
 """Equations more than unknowns that are taken in the first place."""
+# A solution is believed that this share of the symbols agree with.
+AGREEING = 0.965
+# So often the trust in each symbol is blurred, by so much, and the most trusted are taken again.
+BLURRED, BLUR = 8, 3.0
 
 Symbols = NDArray[np.uint16]
 Words = NDArray[np.uint64]
 
 
-def solve(graph: Graph, index: NDArray[np.uint32], value: Symbols) -> Symbols | None:
-    """Return the message symbols (size,), or None where a segment's symbols do not determine it."""
+def solve(graph: Graph, index: NDArray[np.uint32], value: Symbols, symbol_bits: int) -> Symbols | None:
+    """Return the message symbols (size,), or None where a segment's symbols do not determine it.
+
+    Some symbols may be wrong where there are more than needed.
+    """
     segment = graph.segment(index)
     out = np.zeros((graph.segments, graph.length), np.uint16)
     order = np.argsort(segment, kind="stable")
     bounds = np.searchsorted(segment[order], np.arange(graph.segments + 1))
+    if (np.diff(bounds) + graph.sparse + DENSE < graph.total).any():
+        return None
     for number in range(graph.segments):
         rows = order[bounds[number] : bounds[number + 1]]
-        found = _segment(graph, index[rows], value[rows])
+        found = _segment(graph, index[rows], value[rows], symbol_bits)
         if found is None:
             return None
         out[number] = found[: graph.length]
     return out.ravel()[: graph.size]
 
 
-def _segment(graph: Graph, index: NDArray[np.uint32], value: Symbols) -> Symbols | None:
-    if len(index) + graph.sparse + DENSE < graph.total:
-        return None
-    take = graph.length + SPARE
-    found = eliminate(*_equations(graph, index[:take], value[:take]), graph.total)
-    if found is None and take < len(index):
-        found = eliminate(*_equations(graph, index, value), graph.total)
-    return found
+def _segment(graph: Graph, index: NDArray[np.uint32], value: Symbols, symbol_bits: int) -> Symbols | None:
+    """Return the intermediate symbols that most agree with: of the first, else of those most trusted."""
+    best, most = _taken(graph, index, value, np.arange(len(index))), 0.0
+    if best is not None:
+        most = _agreeing(graph, best, index, value)
+    if most >= AGREEING or len(index) < graph.length + 2:
+        return best
+    trusted = np.clip(trust(graph, index, value, symbol_bits), -BLUR, 3.0 * BLUR)
+    for number in range(1 + BLURRED):
+        blur = (mix(index, 9_500 + number) >> np.uint64(11)).astype(float) * 2.0**-53
+        order = np.argsort(-trusted - BLUR * number * blur, kind="stable")
+        found = _taken(graph, index, value, order)
+        agreeing = 0.0 if found is None else _agreeing(graph, found, index, value)
+        if agreeing > most:
+            best, most = found, agreeing
+        if most >= AGREEING:
+            break
+    return best
+
+
+def _taken(graph: Graph, index: NDArray[np.uint32], value: Symbols, order: IntArray) -> Symbols | None:
+    """Return the solution of as many symbols, in this order, as are likely to do; of all where they do not."""
+    for take in (graph.length + SPARE, len(index)):
+        rows = order[:take]
+        found = eliminate(*_equations(graph, index[rows], value[rows]), graph.total)
+        if found is not None or take >= len(index):
+            return found
+    return None
+
+
+def _agreeing(graph: Graph, found: Symbols, index: NDArray[np.uint32], value: Symbols) -> float:
+    row, symbol = graph.edges(index)
+    told = np.bitwise_xor.reduceat(found[symbol], np.flatnonzero(np.diff(row, prepend=-1)))
+    return float(np.mean(told == value))
 
 
 def _equations(graph: Graph, index: NDArray[np.uint32], value: Symbols) -> tuple[Words, Symbols]:

@@ -20,11 +20,14 @@ __all__ = ["Filled", "fill_holes"]
 
 # Faces of the filling are this much longer than those around the hole, and keep this far from its rim.
 LONGER, GAP = 1.5, 0.6
-# A part of the miniature that is missing has at least this share of the rim's length to its border.
-LEAST_BORDER = 0.2
+# Missing parts below this share of the largest one's area are no parts.
+SMALLEST_PART = 0.02
 # A rim belongs to the border of the miniature where it lies within so many of its own edges of it.
 OWN_BORDER = 3.0
-FACING = -0.2
+# What lies across a thin sheet from the rest faces away from it.
+FACING, AWAY = -0.2, -0.5
+# So many times as far off as is usual, the miniature has something that the rest has not.
+FAR = 6.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,24 +88,23 @@ def _missing(
     vectors = area_vectors(points, faces)[nearest.faces]
     vectors /= np.maximum(np.sqrt((vectors**2).sum(axis=1)), 1e-300)[:, None]
     facing = np.einsum("ij,ij->i", vectors, vertex_normals(*fine))
-    lost = (at_border & (facing > FACING)) | (facing < -0.5)
+    far = nearest.distances > FAR * float(np.median(nearest.distances))
+    lost = (at_border & (facing > FACING)) | (facing < AWAY) | far
     tree = cKDTree(np.concatenate([points[rim[:, 0]], points[rim].mean(axis=1)]))
     lost &= tree.query(fine[0])[0] > gap
     part = fine[1][lost[fine[1]].all(axis=1)]
-    return _simple(_large(part, fine[0], points[rim]))
+    return _simple(_large(part, fine[0]))
 
 
-def _large(part: IntArray, places: FloatArray, rim: FloatArray) -> IntArray:
-    """Return the connected parts whose border is not far shorter than the rims together, or that are large."""
+def _large(part: IntArray, places: FloatArray) -> IntArray:
+    """Return the connected parts that are not tiny beside the largest: those are chance."""
     if not len(part):
         return part
     count = len(places)
     graph = coo_array((np.ones(part.size), (part.ravel(), part[:, [1, 2, 0]].ravel())), shape=(count, count))
     label = connected_components(graph, directed=False)[1][part[:, 0]]
-    area = np.sqrt((area_vectors(places, part) ** 2).sum(axis=1))
-    length = float(np.sqrt(((rim[:, 0] - rim[:, 1]) ** 2).sum(axis=1)).sum())
-    total = np.bincount(label, area)
-    return np.asarray(part[(total > 0.02 * total.max())[label] & (length > 0.0)])
+    area = np.bincount(label, np.sqrt((area_vectors(places, part) ** 2).sum(axis=1)))
+    return np.asarray(part[(area > SMALLEST_PART * area.max())[label]])
 
 
 def _simple(part: IntArray) -> IntArray:
@@ -125,9 +127,9 @@ def _pairs(
     for number, rim in enumerate(rims):
         tree = cKDTree(points[rim])
         for other, border in enumerate(borders):
-            there = tree.query(places[border])[0]
-            back = cKDTree(places[border]).query(points[rim])[0]
-            choices.append((float(there.mean() + back.mean()), number, other))
+            there = np.mean(tree.query(places[border])[0])
+            back = np.mean(cKDTree(places[border]).query(points[rim])[0])
+            choices.append((float(there + back), number, other))
     pairs: list[tuple[int, int]] = []
     for _, rim_number, border_number in sorted(choices):
         if all(rim_number != a and border_number != b for a, b in pairs):
@@ -159,7 +161,7 @@ class _Sewing:
         one, other = self.points[rim], self.points[self.count + border]
         distance, nearest = cKDTree(other).query(one)
         start = int(np.argmin(distance))
-        rim, border = np.roll(rim, -start), np.roll(border, -int(nearest[start]))
+        rim, border = np.roll(rim, -start), np.roll(border, -int(np.asarray(nearest)[start]))
         made = strip(self.points[rim], self.points[self.count + border], True)
         self.faces.append(np.concatenate([rim, self.count + border])[made])
 

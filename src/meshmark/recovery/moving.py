@@ -5,17 +5,21 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_array, csr_array, diags_array
-from scipy.sparse.linalg import splu
+from scipy.sparse.linalg import SuperLU, splu
 
 from meshmark.geometry.adjacency import unique_edges
+from meshmark.geometry.areas import vertex_normals
 from meshmark.geometry.closest_point import SurfaceIndex
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["Drawing"]
 
 # Lengths of detail, in edges of the miniature: coarser, the miniature says where points lie; finer, they keep the
-# shape that they have among themselves. From stiff to soft, each for so many rounds.
-DETAILS, ROUNDS = (4.0, 2.0, 1.2), 6
+# shape that they have among themselves. From stiff to soft, each for some rounds, fewer where points are many.
+DETAILS = (16.0, 8.0, 4.0, 2.0, 1.2)
+MOST_ROUNDS, LEAST_ROUNDS, QUERIES = 12, 3, 100_000
+# In the end the surface is smooth up to this length, as faces of the miniature are not.
+SMOOTH, SMOOTH_ROUNDS = 0.9, 4
 
 
 class Drawing:
@@ -67,13 +71,38 @@ class Drawing:
         step = _length(self.points, unique_edges(self.faces[moving[self.faces].any(axis=1)]))
         columns = self.walk[:, rows]
         inner = csc_array(columns.T @ columns)
+        rounds = int(np.clip(QUERIES // len(rows), LEAST_ROUNDS, MOST_ROUNDS))
         for detail in DETAILS:
-            stiffness = 16.0 * (detail * self.detail / (2.0 * np.pi * step)) ** 4
-            solver = splu(csc_array(stiffness * inner + diags_array(np.ones(len(rows)))))
-            for _ in range(ROUNDS):
-                target = self.index.nearest(moved[rows] - self.offset[rows]).points + self.offset[rows]
-                moved[rows] += solver.solve(target - moved[rows])
+            _, solver = self._held(inner, detail, step)
+            for _ in range(rounds):
+                moved[rows] += solver.solve(self._targets(moved, rows) - moved[rows])
+        stiffness, solver = self._held(inner, SMOOTH, step)
+        wanted = self._layout(moved, rows, columns)
+        for _ in range(SMOOTH_ROUNDS):
+            moved[rows] = solver.solve(stiffness * wanted + self._targets(moved, rows))
         return moved
+
+    def _held(self, inner: csc_array, detail: float, step: float) -> tuple[float, SuperLU]:
+        """Return the stiffness that keeps shapes below a length of detail, and the solver with it."""
+        stiffness = 16.0 * (detail * self.detail / (2.0 * np.pi * step)) ** 4
+        return stiffness, splu(csc_array(stiffness * inner + diags_array(np.ones(inner.shape[0]))))
+
+    def _targets(self, moved: FloatArray, rows: IntArray) -> FloatArray:
+        places = moved[rows] - self.offset[rows]
+        return np.asarray(self.index.nearest(places).points + self.offset[rows])
+
+    def _layout(self, moved: FloatArray, rows: IntArray, columns: csr_array) -> FloatArray:
+        """Return the right side, (k, 3), for points that keep their places among neighbours along the surface only.
+
+        Out of the surface they are to lie as smoothly as their surroundings allow.
+        """
+        normals = vertex_normals(moved, self.faces)
+        off = self.walk @ moved
+        along = off - np.einsum("ij,ij->i", off, normals)[:, None] * normals
+        along[np.setdiff1d(np.arange(len(moved)), rows)] = 0.0
+        fixed = moved.copy()
+        fixed[rows] = 0.0
+        return np.asarray(columns.T @ (along - self.walk @ fixed))
 
 
 def _length(points: FloatArray, edges: IntArray) -> float:

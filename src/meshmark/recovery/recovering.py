@@ -15,6 +15,7 @@ from meshmark.geometry.areas import area_vectors
 from meshmark.geometry.closest_point import SurfaceIndex
 from meshmark.geometry.weld import Welded
 from meshmark.mesh import FloatArray, IntArray
+from meshmark.recovery.borders import border_edges
 from meshmark.recovery.filling import fill_holes
 from meshmark.recovery.miniature import read_miniature
 from meshmark.recovery.moving import Drawing
@@ -26,6 +27,8 @@ __all__ = ["Recovered", "recover"]
 AS_IT_WAS = 0.7
 # A part is cut out where it cannot be drawn back: this share of its faces turn over.
 TURNED = 0.1
+# A part is the rim of a hole that has more than this share of its points on a border.
+RIM = 0.3
 MOST_JUDGES = 20_000
 
 
@@ -59,18 +62,20 @@ def recover(suspect: Welded, altered: NDArray[np.bool_], miniature: bytes) -> Re
     intact = np.flatnonzero(used & ~altered)
     pose = place_miniature((places, mini_faces), suspect.points, suspect.faces, intact)
     mini = (pose(places), mini_faces)
-    points, cut = _drawn_back(suspect, altered & used, intact, mini)
-    faces = suspect.faces[~cut[suspect.faces].any(axis=1)]
-    touched = altered.copy()
-    touched[suspect.faces[cut[suspect.faces].any(axis=1)]] = True
-    filled = fill_holes(points, faces, touched, mini)
-    return _result(suspect, filled.points, filled.faces, len(faces), used)
+    points, cut, torn = _drawn_back(suspect, altered & used, intact, mini)
+    out = cut[suspect.faces].any(axis=1)
+    torn[suspect.faces[out]] = True
+    filled = fill_holes(points, suspect.faces[~out], torn, mini)
+    return _result(suspect, filled.points, filled.faces, int((~out).sum()), used)
 
 
 def _drawn_back(
     suspect: Welded, altered: NDArray[np.bool_], intact: IntArray, mini: tuple[FloatArray, IntArray]
-) -> tuple[FloatArray, NDArray[np.bool_]]:
-    """Return the points after each altered part was drawn back, and which ones must be cut out instead."""
+) -> tuple[FloatArray, NDArray[np.bool_], NDArray[np.bool_]]:
+    """Return the points after each altered part was drawn back, which ones are to be cut out, and rims of holes.
+
+    A part that is mostly border is what is left around a hole, which nobody moved.
+    """
     graph = adjacency(unique_edges(suspect.faces), len(suspect.points))
     part = _parts(graph, altered)
     drawing = Drawing(suspect.points, suspect.faces, graph, altered, mini)
@@ -82,13 +87,16 @@ def _drawn_back(
     spread = np.sqrt(np.bincount(part[altered], off[altered] ** 2, len(size)) / np.maximum(size, 1))
     tied = np.zeros(len(size), bool)
     tied[part[altered & (np.asarray(graph @ (~altered).astype(float)) > 0.0)]] = True
-    keep = spread <= AS_IT_WAS * usual
+    border = np.zeros(len(altered), bool)
+    border[border_edges(suspect.faces)] = True
+    rim = np.bincount(part[altered], border[altered], len(size)) > RIM * size
+    keep = (spread <= AS_IT_WAS * usual) | (rim & tied)
     moving = altered & (~keep & tied)[part]
     points = drawing.draw(moving)
     turned = _turned(points, suspect.faces, moving, drawing.index, mini)
     share = np.bincount(part[altered], turned[altered], len(size)) / np.maximum(size, 1)
     cut = altered & ((~keep & ~tied) | (share > TURNED))[part]
-    return np.where(cut[:, None], suspect.points, points), cut
+    return np.where(cut[:, None], suspect.points, points), cut, altered & rim[part]
 
 
 def _parts(graph: csr_array, altered: NDArray[np.bool_]) -> IntArray:
@@ -109,14 +117,13 @@ def _turned(
 ) -> FloatArray:
     """Return (p,): the share of the faces at each moving point that face away from the miniature."""
     some = np.flatnonzero(moving[faces].any(axis=1))
-    out = np.zeros(len(points))
     if not len(some):
-        return out
+        return np.zeros(len(points))
     nearest = index.nearest(points[faces[some]].mean(axis=1)).faces
     away = np.einsum("ij,ij->i", area_vectors(points, faces[some]), area_vectors(*mini)[nearest]) < 0.0
     total = np.bincount(faces[some].ravel(), minlength=len(points))
-    out = np.bincount(faces[some].ravel(), np.repeat(away, 3), len(points))
-    return np.asarray(out / np.maximum(total, 1))
+    turned = np.bincount(faces[some].ravel(), np.repeat(away, 3), len(points))
+    return np.asarray(turned / np.maximum(total, 1))
 
 
 def _result(

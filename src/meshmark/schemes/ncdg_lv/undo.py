@@ -1,0 +1,234 @@
+"""Undo data: what takes both layers' changes off a marked model again, kept in its certificate for the key's owner.
+
+The displacement of each vertex, in canonical coordinates and whole steps, is predicted from neighbours on the
+mesh, compressed, and sealed: encrypted and authenticated by streams that only the key gives, so that the
+certificate stays safe to hand out. It is bound to the faces, not to the place: a turned, scaled or moved copy can be
+unmarked, too.
+"""
+
+from __future__ import annotations
+
+import base64
+import hmac
+import lzma
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from hashlib import blake2b
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+from scipy.spatial import cKDTree
+
+from meshmark.coding.keyed import keyed_words
+from meshmark.coding.keys import Key
+from meshmark.errors import InputError
+from meshmark.geometry.adjacency import adjacency, unique_edges
+from meshmark.geometry.areas import vertex_normals
+from meshmark.geometry.frame import Frame, canonical_frame, frame_alternatives
+from meshmark.geometry.weld import weld
+from meshmark.io.save import conform
+from meshmark.mesh import FloatArray, IntArray, Mesh
+from meshmark.schemes.ncdg_lv.certificate import Certificate
+
+__all__ = ["FIELD", "STEP", "Unmarked", "unmark", "with_undo"]
+
+FIELD = "undo"
+"""Name of the certificate's field."""
+STEP = 2.5e-7
+"""Step of a displacement's coordinates over the diagonal."""
+VERSION = 1
+TAG_BYTES, DIGEST_BYTES = 16, 16
+# Vertices are told in levels, each from those before it: one in so many, and over how many edges they are averaged.
+LEVELS = ((256, 0), (64, 16), (16, 8), (4, 4), (1, 2))
+# A frame this near the certificate's is the same: what is left is rounding.
+SAME = 1e-6
+_FILTERS = [{"id": lzma.FILTER_LZMA2, "preset": 6}]
+
+
+@dataclass(frozen=True, eq=False)
+class Unmarked:
+    """A model without its mark.
+
+    mesh: positions as its file can hold them; exact: the marked model was as it was signed off, so this is the
+    original; rms_over_diagonal: of what was taken off.
+    """
+
+    mesh: Mesh
+    exact: bool
+    rms_over_diagonal: float
+
+
+def with_undo(certificate: Certificate, original: Mesh, marked: Mesh, key: Key) -> Certificate:
+    """Return the certificate of `marked` with what turns it back into `original`, readable with the key only.
+
+    Raises `InputError` where the meshes do not have the same faces and number of vertices.
+    """
+    if original.vertices.shape != marked.vertices.shape or not np.array_equal(original.faces, marked.faces):
+        raise InputError("the original and the marked model differ in their faces, expected the same model")
+    frame = certificate.frame
+    step = STEP * _diagonal(marked) / frame.scale
+    whole = np.rint((original.vertices - marked.vertices) @ frame.axes / (frame.scale * step))
+    if np.abs(whole).max(initial=0.0) >= 2.0**31:
+        raise InputError("a vertex of the original lies far off the marked one, expected a marked model")
+    head = np.array([step], "<f8").tobytes() + _digest(marked.faces) + _digest(marked.vertices)
+    body = _compressed(_residuals(whole.astype(np.int64), _Predictor(marked, frame)))
+    value = {
+        "version": VERSION,
+        "data": base64.b64encode(_sealed(head + body, key)).decode("ascii"),
+    }
+    return replace(certificate, more={**certificate.more, FIELD: value})
+
+
+def unmark(mesh: Mesh, key: Key, certificate: Certificate) -> Unmarked:
+    """Return the mesh without its mark.
+
+    Raises `InputError` where the certificate has no undo data, was changed, or belongs to another key or model.
+    """
+    plain = _opened(_data(certificate), key)
+    start = 8 + 2 * DIGEST_BYTES
+    step = float(np.frombuffer(plain[:8], "<f8")[0])
+    faces, positions = plain[8 : 8 + DIGEST_BYTES], plain[8 + DIGEST_BYTES : start]
+    if faces != _digest(mesh.faces):
+        raise InputError(
+            "the model's faces are not those that were marked, expected the marked model in its own vertex order"
+        )
+    frame = _frame(mesh, certificate)
+    whole = _restored(_expanded(plain[start:], len(mesh.vertices)), _Predictor(mesh, frame))
+    shift = whole @ frame.axes.T * (step * frame.scale)
+    moved = np.asarray(whole.any(axis=1))
+    vertices = np.where(moved[:, None], mesh.vertices + shift, mesh.vertices)
+    result = mesh.with_vertices(conform(mesh, vertices))
+    rms = float(np.sqrt(np.einsum("ij,ij->", shift, shift) / max(len(shift), 1)))
+    return Unmarked(result, positions == _digest(mesh.vertices), rms / _diagonal(mesh))
+
+
+def _diagonal(mesh: Mesh) -> float:
+    return float(np.linalg.norm(np.ptp(mesh.vertices[mesh.faces.ravel()], axis=0)))
+
+
+def _digest(array: FloatArray | IntArray) -> bytes:
+    kind = "<i8" if array.dtype.kind == "i" else "<f8"
+    content = np.ascontiguousarray(array + 0, dtype=kind).tobytes()
+    return blake2b(content, digest_size=DIGEST_BYTES, person=b"meshmark undo 1").digest()
+
+
+def _frame(mesh: Mesh, certificate: Certificate) -> Frame:
+    """Return the certificate's frame where the mesh lies there, else that of the mesh which landmarks confirm."""
+    welded = weld(mesh)
+    own = canonical_frame(welded.points, welded.faces)
+    signed = certificate.frame
+    off = np.linalg.norm(own.centre - signed.centre) / signed.scale + abs(own.scale / signed.scale - 1.0)
+    if off + np.abs(own.axes - signed.axes).max() < SAME:
+        return signed
+    landmarks = certificate.landmarks.places
+    if not len(landmarks):
+        return own
+    tree = cKDTree(welded.points)
+    frames = list(frame_alternatives(own))
+    left = [float(np.mean(tree.query(frame.to_scene(landmarks))[0])) for frame in frames]
+    return frames[int(np.argmin(left))]
+
+
+def _levels(count: int) -> Iterator[tuple[NDArray[np.bool_], NDArray[np.bool_], int]]:
+    """Yield which vertices are known, which come next, and over how many edges known ones are averaged."""
+    word = (np.arange(count, dtype=np.uint64) + np.uint64(1)) * np.uint64(0x9E3779B97F4A7C15)
+    share = ((word ^ (word >> np.uint64(31))) * np.uint64(0xBF58476D1CE4E5B9)) >> np.uint64(40)
+    known = np.zeros(count, bool)
+    for one_in, reach in LEVELS:
+        coming = (share % np.uint64(one_in) == 0) & ~known
+        yield known, coming, reach
+        known = known | coming
+
+
+class _Predictor:
+    """Predicts displacements along the normals of the marked surface from those of vertices nearby on the mesh."""
+
+    def __init__(self, mesh: Mesh, frame: Frame) -> None:
+        welded = weld(mesh)
+        normals = vertex_normals(frame.to_canonical(welded.points), welded.faces)
+        self.normals = normals[welded.point_of_vertex]
+        self.walk = csr_array(adjacency(unique_edges(mesh.faces), len(mesh.vertices)))
+
+    def __call__(self, values: IntArray, known: NDArray[np.bool_], reach: int) -> IntArray:
+        """Return (n, 3): the mean height of known vertices over `reach` edges, as a rounded vector; else 0."""
+        heights = np.einsum("ij,ij->i", values, self.normals) * known
+        spread = np.stack([heights, known.astype(float)], axis=1)
+        for _ in range(reach):
+            spread = spread + self.walk @ spread
+            spread /= float(spread[:, 1].max())
+        total = spread[:, 1]
+        mean = np.divide(spread[:, 0], total, out=np.zeros(len(values)), where=total > 1e-9)
+        return np.asarray(np.rint(mean[:, None] * self.normals), np.int64)
+
+
+def _residuals(values: IntArray, predict: _Predictor) -> IntArray:
+    """Return (n, 3): what predictions leave over."""
+    out = values.copy()
+    for known, coming, reach in _levels(len(values)):
+        if known.any():
+            out[coming] -= predict(values, known, reach)[coming]
+    return out
+
+
+def _restored(residuals: IntArray, predict: _Predictor) -> IntArray:
+    values = residuals.copy()
+    for known, coming, reach in _levels(len(values)):
+        if known.any():
+            values[coming] += predict(values, known, reach)[coming]
+    return values
+
+
+def _compressed(residuals: IntArray) -> bytes:
+    """Return the residuals, sign in the lowest bit, byte plane by byte plane, compressed."""
+    coded = np.where(residuals < 0, -2 * residuals - 1, 2 * residuals).T.astype("<u4")
+    planes = coded.ravel().view(np.uint8).reshape(-1, 4).T
+    return lzma.compress(planes.tobytes(), lzma.FORMAT_RAW, filters=_FILTERS)
+
+
+def _expanded(content: bytes, count: int) -> IntArray:
+    planes = np.frombuffer(lzma.decompress(content, lzma.FORMAT_RAW, filters=_FILTERS), np.uint8)
+    coded = np.ascontiguousarray(planes.reshape(4, -1).T).view("<u4").reshape(3, count).T.astype(np.int64)
+    return np.where(coded % 2 == 1, -(coded + 1) // 2, coded // 2)
+
+
+def _sealed(plain: bytes, key: Key) -> bytes:
+    """Return tag and cipher text: the stream's key comes from the tag, so that no two texts share a stream."""
+    tag = _tag(plain, key)
+    return tag + _exchanged(plain, tag, key)
+
+
+def _opened(sealed: bytes, key: Key) -> bytes:
+    tag, cipher = sealed[:TAG_BYTES], sealed[TAG_BYTES:]
+    plain = _exchanged(cipher, tag, key)
+    if not hmac.compare_digest(_tag(plain, key), tag):
+        raise InputError("the certificate's undo data was changed or made with another key")
+    return plain
+
+
+def _tag(plain: bytes, key: Key) -> bytes:
+    return blake2b(plain, digest_size=TAG_BYTES, key=key.subkey("undo tag")).digest()
+
+
+def _exchanged(text: bytes, tag: bytes, key: Key) -> bytes:
+    stream = blake2b(tag, digest_size=32, key=key.subkey("undo stream")).digest()
+    words = keyed_words(stream, -(-len(text) // 8)).astype("<u8")
+    return (np.frombuffer(text, np.uint8) ^ np.frombuffer(words.tobytes(), np.uint8)[: len(text)]).tobytes()
+
+
+def _data(certificate: Certificate) -> bytes:
+    value = certificate.more.get(FIELD)
+    if not isinstance(value, dict):
+        raise InputError("the certificate has no undo data, expected one made by `embed` with this model")
+    if value.get("version") != VERSION:
+        raise InputError(
+            f"the certificate's undo data has version {value.get('version')!r}, expected {VERSION}"
+        )
+    text = value.get("data")
+    try:
+        content = base64.b64decode(text if isinstance(text, str) else "-", validate=True)
+    except ValueError:
+        raise InputError("the certificate's undo data is not in base64") from None
+    if len(content) < TAG_BYTES + 8 + 2 * DIGEST_BYTES:
+        raise InputError(f"the certificate's undo data has {len(content)} bytes, expected more")
+    return content
