@@ -2,8 +2,8 @@
 
 The displacement of each vertex, in canonical coordinates and whole steps, is predicted from neighbours on the
 mesh, compressed, and sealed: encrypted and authenticated by streams that only the key gives, so that the
-certificate stays safe to hand out. It is bound to the faces, not to the place: a turned, scaled or moved copy can be
-unmarked, too.
+certificate stays safe to hand out. It is bound to the faces, not to the place: a turned, scaled or moved copy can
+be unmarked, too.
 """
 
 from __future__ import annotations
