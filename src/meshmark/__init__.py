@@ -6,6 +6,7 @@
     marked = mm.embed(mm.read_mesh("hare.ply"), key)
     mm.write_mesh(marked.mesh, "marked.ply")
     found = mm.extract(mm.read_mesh("marked.ply"), key)
+    check = mm.authenticate(mm.read_mesh("marked.ply"), key)
 
 The names below are the public interface. Each is imported when it is first used.
 """
@@ -31,13 +32,23 @@ if TYPE_CHECKING:
     from meshmark.metrics import METRICS, compare
     from meshmark.saliency import analyse
     from meshmark.schemes import SCHEMES
-    from meshmark.schemes.ncdg_lv import Certificate, embed, extract
+    from meshmark.schemes.ncdg_lv import (
+        Authentication,
+        Certificate,
+        Recovery,
+        authenticate,
+        embed,
+        extract,
+        recover,
+        unmark,
+    )
     from meshmark.segmentation import segment
 
 __all__ = [
     "ATTACKS",
     "METRICS",
     "SCHEMES",
+    "Authentication",
     "CapacityError",
     "Certificate",
     "FormatError",
@@ -47,12 +58,16 @@ __all__ = [
     "Mesh",
     "MeshmarkError",
     "OutputError",
+    "Recovery",
     "analyse",
+    "authenticate",
     "compare",
     "embed",
     "extract",
     "read_mesh",
+    "recover",
     "segment",
+    "unmark",
     "write_mesh",
 ]
 
@@ -62,6 +77,7 @@ _HOME = {
     "ATTACKS": "attacks",
     "METRICS": "metrics",
     "SCHEMES": "schemes",
+    "Authentication": "schemes.ncdg_lv",
     "CapacityError": "errors",
     "Certificate": "schemes.ncdg_lv",
     "FormatError": "errors",
@@ -71,12 +87,16 @@ _HOME = {
     "Mesh": "mesh",
     "MeshmarkError": "errors",
     "OutputError": "errors",
+    "Recovery": "schemes.ncdg_lv",
     "analyse": "saliency",
+    "authenticate": "schemes.ncdg_lv",
     "compare": "metrics",
     "embed": "schemes.ncdg_lv",
     "extract": "schemes.ncdg_lv",
     "read_mesh": "io",
+    "recover": "schemes.ncdg_lv",
     "segment": "segmentation",
+    "unmark": "schemes.ncdg_lv",
     "write_mesh": "io",
 }
 

@@ -60,7 +60,9 @@ def test_embed_gives_the_fields_of_the_contract(files):
     assert files.printed.keys() >= EMBED
     assert files.printed["id"] == IDENTITY
     assert files.printed["verified"] is True
-    assert files.printed["layers"] == "ownership"
+    assert files.printed["layers"] == "both"
+    assert files.printed["mark_vertices"] > 0
+    assert files.printed["payload_bytes"] > 0
 
 
 def test_embed_stays_within_the_budget_as_an_independent_reading_of_the_files_says(files):

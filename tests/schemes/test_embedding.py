@@ -119,7 +119,7 @@ def test_too_little_surface_is_refused_with_what_is_missing():
 
 @pytest.mark.parametrize(
     ("arguments", "message"),
-    [({"id": 2**64}, "64-bit"), ({"strength": "huge"}, "unknown strength"), ({"layers": "both"}, "layers")],
+    [({"id": 2**64}, "64-bit"), ({"strength": "huge"}, "unknown strength"), ({"reserve": 1.0}, "reserve")],
 )
 def test_arguments_out_of_range_are_refused(model, arguments, message):
     with pytest.raises(InputError, match=message):

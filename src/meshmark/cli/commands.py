@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from meshmark.cli.attack import attack
+from meshmark.cli.authenticate import authenticate
 from meshmark.cli.bench import bench
 from meshmark.cli.compare import compare
 from meshmark.cli.demo import demo
@@ -12,9 +13,11 @@ from meshmark.cli.embed import embed
 from meshmark.cli.extract import extract
 from meshmark.cli.info import info
 from meshmark.cli.keygen import keygen
+from meshmark.cli.recover import recover
 from meshmark.cli.saliency import saliency
 from meshmark.cli.segment import segment
 from meshmark.cli.train import train
+from meshmark.cli.unmark import unmark
 
 __all__ = ["COMMANDS"]
 
@@ -23,6 +26,9 @@ COMMANDS: dict[str, Callable[..., int]] = {
     "keygen": keygen,
     "embed": embed,
     "extract": extract,
+    "authenticate": authenticate,
+    "recover": recover,
+    "unmark": unmark,
     "attack": attack,
     "compare": compare,
     "saliency": saliency,

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from meshmark.cli.options import AsJson, KeyFile, ModelIn, ModelOut, Strength
-from meshmark.cli.output import answer, percent, say
+from meshmark.cli.options import AsJson, KeyFile, Layers, ModelIn, ModelOut, Strength, Tolerance
+from meshmark.cli.output import answer, percent, plural, say
 from meshmark.cli.paths import check_output
 from meshmark.cli.progress import progress
 from meshmark.errors import InputError
 
-__all__ = ["embed"]
+if TYPE_CHECKING:
+    from meshmark.schemes.ncdg_lv import Embedding
 
-_LAYERS = "ownership"
+__all__ = ["embed"]
 
 
 def embed(
@@ -33,8 +34,25 @@ def embed(
         typer.Option(help="RMS movement over the diagonal: subtle 0.02 %, standard 0.08 %, strong 0.2 %."),
     ] = Strength.standard,
     layers: Annotated[
-        str, typer.Option(metavar="ownership", help="Layers to embed; this version has the ownership layer.")
-    ] = _LAYERS,
+        Layers | None,
+        typer.Option(
+            help="ownership: an id that survives damage; authentication: tells what was changed later. "
+            "Without this option both, or ownership alone where a model has no room for more."
+        ),
+    ] = None,
+    payload: Annotated[
+        str | None,
+        typer.Option(
+            metavar="miniature|none|FILE",
+            help="What the authentication layer carries: a miniature of the model, for its recovery, or a file.",
+        ),
+    ] = None,
+    tolerance: Annotated[
+        Tolerance,
+        typer.Option(
+            help="strict: every change above the file's precision counts; tolerant: rounding to 16 bits does not."
+        ),
+    ] = Tolerance.strict,
     certificate: Annotated[
         Path | None,
         typer.Option(metavar="CERT", help="Also write a certificate, with which damaged copies are read."),
@@ -43,35 +61,45 @@ def embed(
 ) -> int:
     """Put a mark into a model.
 
-    IN with an invisible 64-bit id goes to OUT; nothing but positions changes, and IN stays as it is.
-    OUT appears only after it was read back and the id was found in it with the key alone.
+    IN with an invisible 64-bit id, and marks that tell what was changed later, goes to OUT; nothing but
+    positions changes, and IN stays as it is. OUT appears only after it was read back with the key alone.
 
     The certificate is a small file without the key or the surface. Keep it: with it, the mark is found in copies
-    of which half is gone.
+    of which half is gone, and with the key it takes the mark off again.
     """
     from meshmark.coding.keys import Key
-    from meshmark.coding.message import format_id, parse_id
+    from meshmark.coding.message import parse_id
     from meshmark.schemes.ncdg_lv.files import embed_file
 
-    if layers != _LAYERS:
-        raise InputError(f"--layers {layers} is not available in this version, expected {_LAYERS}")
-    check_output(out, [model, key])
+    carried = payload if payload in (None, "miniature", "none") else Path(str(payload))
+    inputs = [model, key, *([carried] if isinstance(carried, Path) else [])]
+    check_output(out, inputs)
     if certificate is not None:
-        check_output(certificate, [model, key])
+        check_output(certificate, inputs)
         if certificate.resolve() == out.resolve():
             raise InputError(f"{out} is to be the model and the certificate, expected two names")
     number = None if identity is None else parse_id(identity)
     secret = Key.load(key)
+    wanted = None if layers is None else layers.value
     with progress("marking"):
-        result = embed_file(model, out, secret, number, strength.value, layers)
+        result = embed_file(model, out, secret, number, strength.value, wanted, carried, tolerance.value)
         if certificate is not None:
             result.certificate.save(certificate)
     for remark in result.remarks:
         say(f"meshmark: {remark}")
+    answer(_words(result, model, out), result.to_dict(), as_json)
+    return 0
+
+
+def _words(result: Embedding, model: Path, out: Path) -> str:
+    from meshmark.coding.message import format_id
+
     rms, largest = percent(result.rms_over_diagonal), percent(result.max_over_diagonal)
-    words = (
-        f"Marked: {model} -> {out}; id {format_id(result.id)}; moved {rms} of the diagonal RMS "
+    upper = ""
+    if result.mark_vertices:
+        payload = f" with {plural(result.payload_bytes, 'byte')} of payload" if result.payload_bytes else ""
+        upper = f"{plural(result.mark_vertices, 'mark')} of authentication{payload}; "
+    return (
+        f"Marked: {model} -> {out}; id {format_id(result.id)}; {upper}moved {rms} of the diagonal RMS "
         f"({largest} at most); read back and verified"
     )
-    answer(words, result.to_dict(), as_json)
-    return 0

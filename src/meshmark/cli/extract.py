@@ -7,14 +7,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from meshmark.cli.options import AsJson, CertificateIn, KeyFile, ModelIn, Search
+from meshmark.cli.options import AsJson, CertificateIn, KeyFile, ModelIn, OriginalIn, Search
 from meshmark.cli.output import answer
 from meshmark.cli.progress import progress
-from meshmark.errors import InputError
+from meshmark.cli.references import check_references, load_reference
 
 if TYPE_CHECKING:
-    from meshmark.mesh import Mesh
-    from meshmark.schemes.ncdg_lv import Certificate, Extraction
+    from meshmark.schemes.ncdg_lv import Extraction
 
 __all__ = ["EXIT_CODES", "extract"]
 
@@ -25,9 +24,7 @@ def extract(
     model: ModelIn,
     key: KeyFile,
     certificate: CertificateIn = None,
-    original: Annotated[
-        Path | None, typer.Option(metavar="MODEL", help="The unmarked original, instead of a certificate.")
-    ] = None,
+    original: OriginalIn = None,
     search: Annotated[
         Search, typer.Option(help="quick is fast; wide spends more time on hard cases, such as crops.")
     ] = Search.quick,
@@ -43,17 +40,11 @@ def extract(
     """
     from meshmark.coding.keys import Key
     from meshmark.io import read_mesh
-    from meshmark.schemes.ncdg_lv import Certificate
     from meshmark.schemes.ncdg_lv import extract as find
 
-    if certificate is not None and original is not None:
-        raise InputError("--certificate and --original exclude each other, expected one of them")
+    check_references(certificate, original)
     secret = Key.load(key)
-    reference: Certificate | Mesh | None = None
-    if certificate is not None:
-        reference = Certificate.load(certificate)
-    elif original is not None:
-        reference = read_mesh(original)
+    reference = load_reference(certificate, original)
     mesh = read_mesh(model)
     with progress("looking for the mark"):
         found = find(mesh, secret, reference=reference, search=search.value)

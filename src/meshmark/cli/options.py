@@ -8,7 +8,19 @@ from typing import Annotated
 
 import typer
 
-__all__ = ["AsJson", "CertificateIn", "KeyFile", "ModelIn", "ModelOut", "Picture", "Search", "Strength"]
+__all__ = [
+    "AsJson",
+    "CertificateIn",
+    "KeyFile",
+    "Layers",
+    "ModelIn",
+    "ModelOut",
+    "OriginalIn",
+    "Picture",
+    "Search",
+    "Strength",
+    "Tolerance",
+]
 
 
 class Strength(StrEnum):
@@ -17,6 +29,21 @@ class Strength(StrEnum):
     subtle = "subtle"
     standard = "standard"
     strong = "strong"
+
+
+class Layers(StrEnum):
+    """What to embed."""
+
+    both = "both"
+    ownership = "ownership"
+    authentication = "authentication"
+
+
+class Tolerance(StrEnum):
+    """What counts as a change."""
+
+    strict = "strict"
+    tolerant = "tolerant"
 
 
 class Search(StrEnum):
@@ -42,4 +69,8 @@ Picture = Annotated[
 ]
 CertificateIn = Annotated[
     Path | None, typer.Option("--certificate", metavar="CERT", help="The certificate made at embedding.")
+]
+OriginalIn = Annotated[
+    Path | None,
+    typer.Option("--original", metavar="MODEL", help="The unmarked original, instead of a certificate."),
 ]

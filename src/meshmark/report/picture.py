@@ -18,7 +18,7 @@ from meshmark.report.raster import rasterise
 from meshmark.report.shade import Seen, light, see
 from meshmark.report.view import three_quarter_view
 
-__all__ = ["Panel", "panels", "render"]
+__all__ = ["Panel", "on_screen", "panels", "render"]
 
 FINER = 2
 """Samples per pixel and axis."""
@@ -80,16 +80,7 @@ def panels(
 def render(panel: Panel, size: int, view: FloatArray) -> NDArray[np.uint8]:
     """Return (size, size, 3) sRGB bytes: the panel's model filling the square."""
     fine = size * FINER
-    used = np.unique(panel.faces) if len(panel.faces) else np.arange(len(panel.points))
-    viewed = panel.points @ view.T
-    low, high = viewed[used].min(axis=0), viewed[used].max(axis=0)
-    scale = fine * (1.0 - 2.0 * MARGIN) / (max(high[0] - low[0], high[1] - low[1]) or 1.0)
-    middle = (low + high) / 2.0
-    screen = np.empty_like(viewed)
-    screen[:, 0] = (viewed[:, 0] - middle[0]) * scale + fine / 2.0
-    screen[:, 1] = (middle[1] - viewed[:, 1]) * scale + fine / 2.0
-    screen[:, 2] = 0.01 + 0.9 * (high[2] - viewed[:, 2]) * scale / (fine * 3.0)
-    screen[:, 2] = np.clip(screen[:, 2], 0.0, 1.0)
+    viewed, screen = on_screen(panel.points, panel.faces, fine, view)
     seen = see(rasterise(screen, panel.faces, fine, fine), screen, viewed, panel.faces)
     blend = np.linspace(0.0, 1.0, fine)[:, None, None] ** 1.5
     paper = (1.0 - blend) * PAPER[0] + blend * PAPER[1]
@@ -100,6 +91,25 @@ def render(panel: Panel, size: int, view: FloatArray) -> NDArray[np.uint8]:
     small = np.mean([image[i::FINER, j::FINER] for i in range(FINER) for j in range(FINER)], axis=0)
     picture = to_srgb(small)
     return picture if panel.marks is None else _dots(picture, panel.marks, screen / FINER, seen)
+
+
+def on_screen(
+    points: FloatArray, faces: IntArray, size: int, view: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return points (p, 3) turned by the view, and their places (p, 3) on a square of `size` pixels that the model
+    fills, depth in [0, 1] as `rasterise` takes it.
+    """
+    used = np.unique(faces) if len(faces) else np.arange(len(points))
+    viewed = points @ view.T
+    low, high = viewed[used].min(axis=0), viewed[used].max(axis=0)
+    scale = size * (1.0 - 2.0 * MARGIN) / (max(high[0] - low[0], high[1] - low[1]) or 1.0)
+    middle = (low + high) / 2.0
+    screen = np.empty_like(viewed)
+    screen[:, 0] = (viewed[:, 0] - middle[0]) * scale + size / 2.0
+    screen[:, 1] = (middle[1] - viewed[:, 1]) * scale + size / 2.0
+    screen[:, 2] = 0.01 + 0.9 * (high[2] - viewed[:, 2]) * scale / (size * 3.0)
+    screen[:, 2] = np.clip(screen[:, 2], 0.0, 1.0)
+    return viewed, screen
 
 
 def _colours(panel: Panel, seen: Seen) -> FloatArray:

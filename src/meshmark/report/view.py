@@ -7,7 +7,7 @@ from scipy.spatial import ConvexHull, QhullError
 
 from meshmark.mesh import FloatArray
 
-__all__ = ["three_quarter_view"]
+__all__ = ["from_behind", "three_quarter_view"]
 
 AZIMUTH = np.deg2rad(32.0)
 ELEVATION = np.deg2rad(17.0)
@@ -41,6 +41,12 @@ def three_quarter_view(points: FloatArray) -> FloatArray:
     towards = np.cos(ELEVATION) * level + np.sin(ELEVATION) * np.array(up)
     right = np.cross(up, level)
     return np.stack([right, np.cross(towards, right), towards])
+
+
+def from_behind(view: FloatArray) -> FloatArray:
+    """Return the view (3, 3) from the other side of a model that `three_quarter_view` shows, from above as well."""
+    up = np.cos(ELEVATION) * view[1] + np.sin(ELEVATION) * view[2]
+    return np.asarray(view @ (2.0 * np.outer(up, up) - np.eye(3)))
 
 
 def _footing(points: FloatArray, up: FloatArray) -> float:

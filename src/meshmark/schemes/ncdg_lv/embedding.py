@@ -5,7 +5,7 @@ from __future__ import annotations
 from bisect import bisect_left
 from collections.abc import Iterator
 from dataclasses import dataclass
-from math import inf, log10
+from math import inf, log10, sqrt
 from time import perf_counter
 
 import numpy as np
@@ -19,7 +19,7 @@ from meshmark.errors import CapacityError, InputError
 from meshmark.geometry.frame import Frame, canonical_frame
 from meshmark.geometry.weld import Welded, weld
 from meshmark.io.save import conform
-from meshmark.mesh import FloatArray, Mesh
+from meshmark.mesh import Mesh
 from meshmark.schemes.ncdg_lv.extraction import extract
 from meshmark.schemes.ncdg_lv.parameters import (
     BUDGET_SHARE,
@@ -35,7 +35,7 @@ from meshmark.schemes.ncdg_lv.results import Embedding, Extraction
 from meshmark.schemes.ncdg_lv.shaping import Shaping
 from meshmark.schemes.ncdg_lv.threads import on_one_thread
 
-__all__ = ["embed"]
+__all__ = ["diagonal_of", "displacement_rms", "embed"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,22 +49,24 @@ class _Attempt:
 
 @on_one_thread
 def embed(
-    mesh: Mesh, key: Key, *, id: int | None = None, strength: str = "standard", layers: str = "ownership"
+    mesh: Mesh, key: Key, *, id: int | None = None, strength: str = "standard", reserve: float = 0.0
 ) -> Embedding:
     """Return `mesh` carrying a 64-bit id under `key`; without an id a random one is drawn.
 
     strength: "subtle", "standard" or "strong", an RMS displacement of at most 0.02, 0.08 or 0.2 % of the
     bounding-box diagonal (of the vertices that faces use). The first of a few steps, from the largest that seems
     within the budget down, is taken whose mark, rounded to what the file can hold, is read back blind.
+    reserve: RMS over the diagonal that a layer on top of this one needs of the budget.
 
     Raises `InputError` for arguments that cannot be used, `CapacityError` where the mesh cannot carry 64 bits.
     """
     start = perf_counter()
     identity = random_id() if id is None else check_id(id)
-    _check(strength, layers)
+    _check(strength, reserve)
     codec = Codec(key)
     bits = codec.encode(identity)
-    diagonal = float(np.linalg.norm(np.ptp(mesh.vertices[_used(mesh)], axis=0)))
+    diagonal = diagonal_of(mesh)
+    budget = sqrt(BUDGETS[strength] ** 2 - reserve**2) * diagonal
     surface = weld(mesh)
     frame = canonical_frame(surface.points, surface.faces)
     most = 0
@@ -77,19 +79,19 @@ def embed(
         likeliest = {preferred_spacings(frame.area * change)[0] for change in (0.97, 1.03)} == {
             shaping.spacing
         }
-        attempt = _largest_step(
-            mesh, surface, key, identity, shaping, BUDGETS[strength] * diagonal, likeliest
-        )
+        attempt = _largest_step(mesh, surface, key, identity, shaping, budget, likeliest)
         if attempt is not None:
-            return _finish(mesh, attempt, identity, layers, strength, diagonal, perf_counter() - start)
+            return _finish(mesh, attempt, identity, strength, diagonal, perf_counter() - start)
     raise CapacityError(_advice(most, len(surface.points), strength))
 
 
-def _check(strength: str, layers: str) -> None:
+def _check(strength: str, reserve: float) -> None:
     if strength not in BUDGETS:
         raise InputError(f"unknown strength '{strength}', expected one of {', '.join(BUDGETS)}")
-    if layers != "ownership":
-        raise InputError(f"layers '{layers}' are not available, expected ownership")
+    if not 0.0 <= reserve < BUDGETS[strength]:
+        raise InputError(
+            f"a reserve of {reserve:g} is out of range, expected 0 to the budget {BUDGETS[strength]:g}"
+        )
 
 
 def _shapings(surface: Welded, frame: Frame, key: Key, bits: Bits) -> Iterator[Shaping]:
@@ -124,7 +126,7 @@ def _largest_step(
         moved = (points != surface.points).any(axis=1)[surface.point_of_vertex]
         vertices = np.where(moved[:, None], points[surface.point_of_vertex], mesh.vertices)
         marked = mesh.with_vertices(conform(mesh, vertices))
-        rms = _rms((marked.vertices - mesh.vertices)[_used(mesh)])
+        rms = displacement_rms(mesh, marked)
         if rms > budget:
             continue
         found = extract(
@@ -144,15 +146,21 @@ def _used(mesh: Mesh) -> NDArray[np.bool_]:
     return used
 
 
-def _rms(displacement: FloatArray) -> float:
-    return float(np.sqrt(np.einsum("ij,ij->", displacement, displacement) / len(displacement)))
+def diagonal_of(mesh: Mesh) -> float:
+    """Return the diagonal of the box around the vertices that faces use, in scene units."""
+    return float(np.linalg.norm(np.ptp(mesh.vertices[_used(mesh)], axis=0)))
+
+
+def displacement_rms(mesh: Mesh, other: Mesh) -> float:
+    """Return the RMS distance, in scene units, of vertices that faces use from their places in `other`."""
+    moved = (other.vertices - mesh.vertices)[_used(mesh)]
+    return float(np.sqrt(np.einsum("ij,ij->", moved, moved) / len(moved)))
 
 
 def _finish(
     mesh: Mesh,
     attempt: _Attempt,
     identity: int,
-    layers: str,
     strength: str,
     diagonal: float,
     seconds: float,
@@ -161,7 +169,7 @@ def _finish(
     return Embedding(
         mesh=attempt.mesh,
         id=identity,
-        layers=layers,
+        layers="ownership",
         vertices=len(mesh.vertices),
         faces=len(mesh.faces),
         carriers=attempt.found.carriers,

@@ -3,15 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from time import perf_counter
 
+import numpy as np
+
 from meshmark.coding.keys import Key
 from meshmark.errors import CapacityError
+from meshmark.geometry.weld import weld
 from meshmark.io import read_mesh, write_mesh
-from meshmark.schemes.ncdg_lv.embedding import embed
+from meshmark.mesh import Mesh
+from meshmark.schemes.ncdg_lv.authentication.content import Content
 from meshmark.schemes.ncdg_lv.extraction import extract
+from meshmark.schemes.ncdg_lv.layers import embed, still_authentic
 from meshmark.schemes.ncdg_lv.results import Embedding
+from meshmark.schemes.ncdg_lv.undo import with_undo
 
 __all__ = ["embed_file"]
 
@@ -22,28 +29,47 @@ def embed_file(
     key: Key,
     id: int | None = None,
     strength: str = "standard",
-    layers: str = "ownership",
+    layers: str | None = None,
+    payload: Content = None,
+    tolerance: str = "strict",
 ) -> Embedding:
     """Mark the model file `model` and write the result to `out`; see `embed` for the arguments.
 
-    The complete files are written under temporary names, read again and extracted blind; only then do they
+    The complete files are written under temporary names and read again, all layers blind; only then do they
     take their places; `seconds` counts all of it. Raises what reading, embedding and writing raise, and
-    `CapacityError` where the id is not found in the written file (a target format too coarse for the mark);
+    `CapacityError` where a layer is not found in the written file (a target format too coarse for the mark);
     nothing is left behind then.
     """
     start = perf_counter()
     mesh = read_mesh(model)
-    result = embed(mesh, key, id=id, strength=strength, layers=layers)
+    result = embed(mesh, key, id=id, strength=strength, layers=layers, payload=payload, tolerance=tolerance)
+    seen: list[Mesh] = []
 
     def read_back(written: Path) -> None:
-        if extract(read_mesh(written), key).id != result.id:
-            raise CapacityError(
-                f"the id cannot be read back from {Path(out).name}, whose format holds positions too coarsely; "
-                "use --strength strong or the format of the input"
-            )
+        seen.append(read_mesh(written))
+        _check(seen[0], key, result, Path(out).name)
 
     report = write_mesh(result.mesh, out, verify=read_back)
-    remarks: tuple[str, ...] = ()
+    remarks = result.remarks
     if report.dropped:
-        remarks = (f"{Path(out).name} cannot hold the model's {', '.join(report.dropped)}",)
+        remarks += (f"{Path(out).name} cannot hold the model's {', '.join(report.dropped)}",)
+    result = _as_written(result, mesh, seen[0], key)
     return replace(result, seconds=perf_counter() - start, remarks=remarks)
+
+
+def _check(written: Mesh, key: Key, result: Embedding, name: str) -> None:
+    too_coarse = f"cannot be read back from {name}, whose format holds positions too coarsely"
+    if result.layers != "authentication" and extract(written, key).id != result.id:
+        raise CapacityError(f"the id {too_coarse}; use --strength strong or the format of the input")
+    if result.layers != "ownership" and not still_authentic(weld(written), key, result.id):
+        raise CapacityError(
+            f"the marks of authentication {too_coarse}; use --tolerance tolerant or the format of the input"
+        )
+
+
+def _as_written(result: Embedding, original: Mesh, written: Mesh, key: Key) -> Embedding:
+    """Return the result with the certificate of the written file; no undo data where its vertices differ."""
+    same = original.vertices.shape == written.vertices.shape and np.array_equal(original.faces, written.faces)
+    if not same:
+        return replace(result, seal=None)
+    return replace(result, seal=partial(with_undo, original=original, marked=written, key=key))

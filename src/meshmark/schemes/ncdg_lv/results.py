@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from collections.abc import Callable
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from math import inf
 from typing import Any
@@ -23,7 +24,8 @@ class Embedding:
     psnr_db: 20 log10(diagonal / RMS), infinite where nothing moved (null in JSON);
     verified: the positions as the file holds them were decoded again.
     strength, spacing, step: of the lattice, as in `certificate`, which is made when it is asked for.
-    remarks: sentences about what a conversion to another format dropped.
+    remarks: sentences about what was left out, and what a conversion to another format dropped.
+    seal: adds to the certificate what takes the mark off again.
     """
 
     mesh: Mesh
@@ -43,11 +45,14 @@ class Embedding:
     spacing: float
     step: float
     remarks: tuple[str, ...] = ()
+    seal: Callable[[Certificate], Certificate] | None = field(default=None, repr=False)
 
     @cached_property
     def certificate(self) -> Certificate:
-        """What to keep of the marked model, so that its mark is found in a part of it or a damaged copy."""
-        return certify(self.mesh, self.spacing, self.step, self.strength)
+        """What to keep of the marked model, so that its mark is found in a damaged copy, or taken off again."""
+        made = certify(self.mesh, self.spacing, self.step, self.strength)
+        made = replace(made, more={**made.more, "layers": self.layers})
+        return made if self.seal is None else self.seal(made)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the fields without the mesh, the id in hexadecimal."""
@@ -82,7 +87,8 @@ class Extraction:
 
 
 def _plain(result: Embedding | Extraction) -> dict[str, Any]:
-    values = {field.name: getattr(result, field.name) for field in fields(result) if field.name != "mesh"}
+    names = [entry.name for entry in fields(result) if entry.name not in ("mesh", "seal")]
+    values = {name: getattr(result, name) for name in names}
     if values.get("psnr_db") == inf:
         values["psnr_db"] = None
     if result.id is not None:

@@ -1,0 +1,46 @@
+"""`meshmark recover`: bring back what was altered."""
+
+from __future__ import annotations
+
+from meshmark.cli.options import AsJson, CertificateIn, KeyFile, ModelIn, ModelOut
+from meshmark.cli.output import answer, percent, plural, say
+from meshmark.cli.paths import check_output
+from meshmark.cli.progress import progress
+from meshmark.cli.references import load_reference
+
+__all__ = ["recover"]
+
+
+def recover(
+    model: ModelIn, out: ModelOut, key: KeyFile, certificate: CertificateIn = None, as_json: AsJson = False
+) -> int:
+    """Bring back what was altered in a marked model.
+
+    The intact part carries a miniature of the whole: moved parts return to it, foreign ones are cut out, holes are
+    filled. All else stays as it is. Where nothing was altered OUT is a copy of IN.
+
+    Exit code 1: it cannot be recovered, and nothing is written.
+    """
+    from meshmark.coding.keys import Key
+    from meshmark.io import read_mesh, write_mesh
+    from meshmark.schemes.ncdg_lv import recover as bring_back
+
+    check_output(out, [path for path in (model, key, certificate) if path is not None])
+    secret = Key.load(key)
+    reference = load_reference(certificate)
+    mesh = read_mesh(model)
+    with progress("recovering"):
+        found = bring_back(mesh, secret, reference=reference)
+    if found.mesh is None:
+        answer(f"Not recovered: {model}. {found.advice}", found.to_dict(), as_json)
+        return 1
+    report = write_mesh(found.mesh, out)
+    if report.dropped:
+        say(f"meshmark: {out.name} cannot hold the model's {', '.join(report.dropped)}")
+    words = (
+        f"Recovered: {model} -> {out}; {percent(found.altered_area_fraction)} of the surface was altered; "
+        f"{plural(found.vertices_moved, 'vertex/vertices')} moved, {plural(found.faces_added, 'face')} added. "
+        f"{found.advice}"
+    )
+    answer(words, found.to_dict(), as_json)
+    return 0

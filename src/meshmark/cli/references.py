@@ -1,0 +1,30 @@
+"""What a command may be told about a model besides the key: its certificate, or the original."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from meshmark.errors import InputError
+
+if TYPE_CHECKING:
+    from meshmark.mesh import Mesh
+    from meshmark.schemes.ncdg_lv import Certificate
+
+__all__ = ["check_references", "load_reference"]
+
+
+def check_references(certificate: Path | None, original: Path | None) -> None:
+    """Raise `InputError` where both are given."""
+    if certificate is not None and original is not None:
+        raise InputError("--certificate and --original exclude each other, expected one of them")
+
+
+def load_reference(certificate: Path | None, original: Path | None = None) -> Certificate | Mesh | None:
+    """Return what the file of the one that is given holds, None without any."""
+    from meshmark.io import read_mesh
+    from meshmark.schemes.ncdg_lv import Certificate
+
+    if certificate is not None:
+        return Certificate.load(certificate)
+    return None if original is None else read_mesh(original)

@@ -1,0 +1,51 @@
+"""`meshmark unmark`: take a mark off again."""
+
+from __future__ import annotations
+
+from time import perf_counter
+
+from meshmark.cli.options import AsJson, CertificateIn, KeyFile, ModelIn, ModelOut
+from meshmark.cli.output import answer, percent, say
+from meshmark.cli.paths import check_output
+from meshmark.cli.progress import progress
+from meshmark.errors import InputError
+
+__all__ = ["unmark"]
+
+
+def unmark(
+    model: ModelIn, out: ModelOut, key: KeyFile, certificate: CertificateIn = None, as_json: AsJson = False
+) -> int:
+    """Take a mark off again, with the key and the certificate that was made at embedding.
+
+    The model must have its vertices in the order in which it was marked; it may have been turned, resized and
+    moved. From a model that was not changed otherwise the original comes back.
+    """
+    from meshmark.coding.keys import Key
+    from meshmark.io import read_mesh, write_mesh
+    from meshmark.schemes.ncdg_lv import Certificate
+    from meshmark.schemes.ncdg_lv import unmark as take_off
+
+    if certificate is None:
+        raise InputError("the mark comes off only with its certificate, expected --certificate CERT")
+    start = perf_counter()
+    check_output(out, [model, key, certificate])
+    secret = Key.load(key)
+    kept = Certificate.load(certificate)
+    mesh = read_mesh(model)
+    with progress("taking the mark off"):
+        found = take_off(mesh, secret, kept)
+    report = write_mesh(found.mesh, out)
+    if report.dropped:
+        say(f"meshmark: {out.name} cannot hold the model's {', '.join(report.dropped)}")
+    whole = "the original" if found.exact else "but the model was changed since it was marked"
+    words = (
+        f"Unmarked: {model} -> {out}, {whole}; moved {percent(found.rms_over_diagonal)} of the diagonal RMS"
+    )
+    fields = {
+        "exact": found.exact,
+        "rms_over_diagonal": found.rms_over_diagonal,
+        "seconds": perf_counter() - start,
+    }
+    answer(words, fields, as_json)
+    return 0
