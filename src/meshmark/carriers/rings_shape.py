@@ -55,22 +55,44 @@ def ring_shapes(points: FloatArray, rings: Rings) -> RingShapes:
     extent = np.sqrt(np.einsum("ri,ri->r", area, area))
     distance = np.sqrt(np.einsum("rki,rki->rk", offsets, offsets))
     step = following - offsets
-    across = following - np.roll(offsets, 1, axis=1)
-    count = offsets.shape[1]
-    tilt = np.einsum("rki,rki->r", across, across) / (8.0 * np.maximum(extent, _TINY) ** 2)
-    wave = _wave(count)
-    mode = np.einsum("rki,k->ri", _rolled(offsets, distance.argmax(axis=1)), wave)
-    twist = (wave @ wave) / np.maximum(np.einsum("ri,ri->r", mode, mode), _TINY)
-    spread = np.sqrt(1.5 + count + count * (2.0 * tilt + 2.0 * twist + 1.0 / count) / 3.0)
+    normal = area / np.maximum(extent, _TINY)[:, None]
     return RingShapes(
         centre,
         size,
         offsets,
-        area / np.maximum(extent, _TINY)[:, None],
+        normal,
         distance,
         np.sqrt(np.einsum("rki,rki->rk", step, step)),
-        spread,
+        _spread(_rolled(offsets, distance.argmax(axis=1)), normal, np.maximum(extent, _TINY)),
     )
+
+
+def _spread(offsets: FloatArray, normal: FloatArray, area: FloatArray) -> FloatArray:
+    """Return how much errors of standard deviation 1 grow, (r,), to first order, on the axis where they grow most.
+
+    The place in the ring is the point less a sum of the neighbours with weights +-1, turned into the frame and
+    scaled. Errors tilt the normal by that of the area vector, half the sum of error x (next - previous neighbour);
+    they turn the first axis by that of the harmonic, and scale by that of the size. The sum over random signs has the
+    second moments of the offsets.
+    """
+    count = offsets.shape[1]
+    axes = frames(offsets, normal)
+    local = np.einsum("rki,rji->rkj", offsets, axes)
+    across = np.roll(local, -1, axis=1) - np.roll(local, 1, axis=1)
+    second = np.einsum("rki,rkj->rij", local, local)
+    chords = np.einsum("rki,rkj->rij", across, across)
+    whole = np.einsum("rii->r", chords)
+    tilt = (whole[:, None, None] * np.eye(3) - chords) / (4.0 * area**2)[:, None, None]
+    wave = _wave(count)
+    harmonic = np.einsum("rki,k->ri", local, wave)
+    twist = (wave @ wave) / np.maximum(harmonic[:, 0] ** 2, _TINY)
+    x, y, n = second[:, 0, 0], second[:, 1, 1], second[:, 2, 2]
+    grown = [
+        x / count + y * twist + n * tilt[:, 0, 0],
+        y / count + x * twist + n * tilt[:, 1, 1],
+        n / count + np.einsum("rij,rij->r", second[:, :2, :2], tilt[:, :2, :2]),
+    ]
+    return np.asarray(np.sqrt(1.2 + count + np.max(grown, axis=0)))
 
 
 def starts(distance: FloatArray, tolerance: FloatArray) -> tuple[IntArray, IntArray]:

@@ -106,7 +106,9 @@ def check(surface: Welded, key: Key, nonce: int | None = None) -> Checks:
     passed = np.zeros(len(points), bool)
     passed[found.vertex[read.holds]] = True
     pairs = _pairs(rings, passed)
-    torn = _torn(rings, found.vertex[read.torn], len(points))
+    whole = np.zeros(len(points), bool)
+    whole[found.vertex[read.holds & ~read.torn]] = True
+    torn = _torn(rings, found.vertex[read.torn], whole)
     able = torn.copy()
     for group, shape in zip(rings, shapes, strict=True):
         able[group.vertex] |= eligible(shape, setting.unit, layout.levels, _MARGIN)
@@ -170,15 +172,18 @@ def _held(found: Candidates, bound: NDArray[np.uint64], layout: Layout, nonce: i
     return _Read(symbol, holds, off, torn & holds)
 
 
-def _torn(rings: list[Rings], vertex: IntArray, count: int) -> NDArray[np.bool_]:
-    """Return (p,): the boundary points next to marks `vertex` that know of no boundary there."""
-    torn = np.zeros(count, bool)
+def _torn(rings: list[Rings], vertex: IntArray, whole: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return (p,): the boundary points next to marks `vertex` that know of no boundary there.
+
+    Not so where a mark whose ring is `whole` (p,) knows the boundary: then the other one holds by chance.
+    """
+    torn = np.zeros(len(whole), bool)
     marks = torn.copy()
     marks[vertex] = True
     for group in rings:
         own = group.take(marks[group.vertex])
         torn[own.around[own.rim]] = True
-    return torn
+    return torn & ~_vouched(_pairs(rings, whole), whole)
 
 
 def _pairs(rings: list[Rings], passed: NDArray[np.bool_]) -> IntArray:

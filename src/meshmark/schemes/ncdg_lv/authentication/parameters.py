@@ -56,10 +56,10 @@ LEVELS: Final = range(8, 39)
 # Marks move at most half of this, in ring sizes, along each axis.
 REACH: Final = 0.6
 # Largest growth of an error in a ring that may carry a mark (`RingShapes.spread`): beyond are slivers.
-SPREAD: Final = 10.0
+SPREAD: Final = 5.0
 # Half a step is so many standard deviations of the error of the mark's place, as the spread foretells it; measured on the
 # training models it is 0.7 of that at most, so half a step is 5.7 deviations.
-DEVIATIONS: Final = 4.0
+DEVIATIONS: Final = 4.3
 # The ring's hash takes its lengths in units of so many steps, but of no more than so many ring sizes.
 HASH_STEPS: Final = 32.0
 HASH_STEP: Final = 1.0 / 16.0
@@ -69,7 +69,7 @@ TOLERANCE: Final = 1.0
 AMBIGUOUS: Final = 3
 ALTERNATIVES: Final = 8
 # PSNR of this layer alone, in dB: bits are given up to reach the one; without the other there is no mark.
-PSNR_WANTED: Final = 80.5
+PSNR_WANTED: Final = 80.2
 PSNR_LEAST: Final = 70.0
 # Fewer marks cannot carry the model's id.
 MARKS_NEEDED: Final = 40

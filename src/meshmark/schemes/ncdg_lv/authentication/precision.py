@@ -15,6 +15,9 @@ TOLERANCES = ("strict", "tolerant")
 _DECIMALS = 0.5e-6
 # Half the last place of 32-bit floats, relative.
 _FLOAT32 = 2.0**-24
+# The error of 32-bit floats, over the diagonal, when the model lies six diagonals from the origin: scaled down to a
+# seventh and moved away by one diagonal of before.
+_FAR_AWAY = 4.5e-7
 # Half the step of a grid of 16 bits, over the longest side.
 _GRID = 2.0**-17
 
@@ -31,9 +34,9 @@ def precision_of(mesh: Mesh, tolerance: str = "strict") -> float:
     vertices = mesh.vertices
     extent = np.ptp(vertices, axis=0)
     farthest = float(np.abs(vertices).max())
-    far = farthest + float(np.linalg.norm(extent))
+    diagonal = float(np.linalg.norm(extent))
     own = _own(mesh, float(extent.max()))
-    strict = max(_DECIMALS, 2.0 * _FLOAT32 * far, own)
+    strict = max(_DECIMALS, _FAR_AWAY * diagonal, 2.0 * _FLOAT32 * (farthest + diagonal), own)
     if tolerance == "strict":
         return strict
     digits = 0.5 * 10.0 ** (np.ceil(np.log10(farthest)) - 6.0)
