@@ -98,8 +98,8 @@ def _words(result: Embedding, model: Path, out: Path) -> str:
     upper = ""
     if result.mark_vertices:
         payload = f" with {plural(result.payload_bytes, 'byte')} of payload" if result.payload_bytes else ""
-        upper = f"{plural(result.mark_vertices, 'mark')} of authentication{payload}; "
+        upper = f"; {plural(result.mark_vertices, 'mark')} of authentication{payload}"
     return (
-        f"Marked: {model} -> {out}; id {format_id(result.id)}; {upper}moved {rms} of the diagonal RMS "
-        f"({largest} at most); read back and verified"
+        f"Marked: {model} -> {out}; id {format_id(result.id)}; moved {rms} of the diagonal RMS "
+        f"({largest} at most){upper}; read back and verified"
     )

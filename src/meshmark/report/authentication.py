@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import io
+import re
 from collections.abc import Sequence
 from html import escape
 from importlib import resources
@@ -85,10 +86,7 @@ def _facts(mesh: Mesh, found: Authentication) -> str:
         ),
         ("Id", "none" if found.id is None else f"{found.id:016x}"),
         ("Payload", payload),
-        (
-            "Chance without the key",
-            f"below 10^{found.log10_false_positive:.0f}" if found.id is not None else "–",
-        ),
+        ("Without the key", _chance(found)),
     ]
     return "<dl>" + "".join(f"<dt>{name}</dt><dd>{_prose(text)}</dd>" for name, text in rows) + "</dl>"
 
@@ -156,6 +154,7 @@ def _numbers(panel: Panel, view: FloatArray, region: IntArray) -> str:
 
 
 def _table(welded: Welded, regions: Sequence[Region]) -> str:
+    regions = sorted(regions, key=lambda region: (region.verdict != "altered", -region.failed, region.id))
     places = whereabouts(welded.points, np.array([region.centre for region in regions]).reshape(-1, 3))
     rows = "\n".join(
         f'<tr><th scope="row">{region.id}</th><td class="word">{place}</td>'
@@ -167,9 +166,14 @@ def _table(welded: Welded, regions: Sequence[Region]) -> str:
         '<div class="scroll"><table><thead><tr><th scope="col">Region</th><th scope="col" class="word">Where</th>'
         '<th scope="col" class="word">Verdict</th><th scope="col">Probability</th><th scope="col">Checks</th>'
         f'<th scope="col">Failed</th></tr></thead><tbody>\n{rows}</tbody></table></div>'
-        "<p>Where: as the pictures from the front show it. Probability: that the region was altered. Checks: places "
-        "in it that could be told; failed: those that are altered.</p>"
+        '<p class="note">Altered regions first. Where: as the pictures from the front show it. Probability: that '
+        "the region was altered. Checks: places in it that could be told; failed: those that are altered.</p>"
     )
+
+
+def _chance(found: Authentication) -> str:
+    exponent = f"{found.log10_false_positive:.0f}".replace("-", "−")
+    return f"chance of such marks below 10^{exponent}" if found.id is not None else "–"
 
 
 def _percent(share: float) -> str:
@@ -177,4 +181,4 @@ def _percent(share: float) -> str:
 
 
 def _prose(text: str) -> str:
-    return escape(text).replace(" %", "&nbsp;%")
+    return re.sub(r"\^(−?\d+)", r"<sup>\1</sup>", escape(text).replace(" %", "&nbsp;%"))

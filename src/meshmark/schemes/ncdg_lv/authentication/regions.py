@@ -69,8 +69,8 @@ def judge_regions(
     called = chance < _ERROR
     called[_homes(faces, at, altered)] = True
     weight = np.bincount(at, areas, count)
-    centres = np.stack([np.bincount(at, areas * points[:, axis], count) for axis in range(3)], axis=1)
-    centres = centres / np.where(weight > 0.0, weight, 1.0)[:, None]
+    moments = np.stack([np.bincount(at, areas * points[:, axis], count) for axis in range(3)], axis=1)
+    centres = moments / np.where(weight > 0.0, weight, 1.0)[:, None]
     return tuple(
         Region(
             i,
