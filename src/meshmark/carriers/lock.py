@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from meshmark.mesh import FloatArray, IntArray
 
-__all__ = ["Lock", "LockSearch"]
+__all__ = ["Lock", "LockSearch", "grid_size"]
 
 # Neighbouring points of the grid differ by so many radians (RMS over cells) in each direction. Half of that in
 # seven directions leaves a score of about 0.6 of the peak's.
@@ -112,15 +112,31 @@ class _Grid:
     size: int
 
 
+def grid_size(response: FloatArray, radius: float) -> float:
+    """Return how many independent corrections a ball holds, at most, for cells of this response (n, d).
+
+    response: change of the phases per standard deviation of each part; radius: in standard deviations.
+    """
+    squares = np.linalg.eigvalsh(response.T @ response / len(response))
+    points = _points(np.sqrt(np.maximum(squares, 0.0)), radius)[0]
+    return float(points * (FINER * SLACK) ** len(squares))
+
+
+def _points(spread: FloatArray, radius: float) -> tuple[float, IntArray]:
+    """Return about how many grid points a ball holds, and how far it reaches in each direction."""
+    reach = np.floor(radius * spread / GRID + 0.5).astype(np.int64)
+    # A ball fills less and less of its cube: 0.16 in four directions, 0.037 in seven.
+    active = int((reach > 0).sum())
+    filled = np.pi ** (active / 2) / gamma(active / 2 + 1) / 2.0**active
+    return float(np.prod(2.0 * reach + 1.0) * filled), reach
+
+
 def _plan(response: FloatArray, radius: float, most: int) -> _Grid:
     """Lay the grid over the ball; shrink the ball until the points are few enough."""
     spread = np.sqrt(np.mean(response**2, axis=0))
     while True:
-        reach = np.floor(radius * spread / GRID + 0.5).astype(np.int64)
-        # A ball fills less and less of its cube: 0.16 in four directions, 0.037 in seven.
-        active = int((reach > 0).sum())
-        filled = np.pi ** (active / 2) / gamma(active / 2 + 1) / 2.0**active
-        if np.prod(2.0 * reach + 1.0) * filled <= most:
+        points, reach = _points(spread, radius)
+        if points <= most:
             break
         radius *= 0.95
     order = np.argsort(-reach, kind="stable")

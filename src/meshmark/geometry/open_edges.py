@@ -14,7 +14,7 @@ import scipy.sparse as sp
 
 from meshmark.mesh import FloatArray, IntArray
 
-__all__ = ["EdgeSamples", "sample_open_edges"]
+__all__ = ["EdgeSamples", "open_edges", "sample_open_edges"]
 
 # An edge is split into this many pieces, and all edges into about so many samples, at most.
 MAX_PIECES = 64
@@ -36,7 +36,7 @@ class EdgeSamples:
 
 def sample_open_edges(points: FloatArray, faces: IntArray, longest: float) -> EdgeSamples:
     """Return samples of the open edges, no piece longer than `longest`."""
-    start, end, excess = _open_edges(faces, len(points))
+    start, end, excess = open_edges(faces, len(points))
     along = points[end] - points[start]
     length = np.sqrt(np.einsum("ij,ij->i", along, along))
     pieces = np.clip(np.ceil(length / longest), 1, MAX_PIECES).astype(np.int64)
@@ -58,8 +58,8 @@ def sample_open_edges(points: FloatArray, faces: IntArray, longest: float) -> Ed
     return EdgeSamples(points[start[edge]] + place[:, None] * along[edge], steps, motion)
 
 
-def _open_edges(faces: IntArray, count: int) -> tuple[IntArray, IntArray, FloatArray]:
-    """Return start, end and how many times more often an edge is walked this way than the other."""
+def open_edges(faces: IntArray, count: int) -> tuple[IntArray, IntArray, FloatArray]:
+    """Return start (e,), end (e,) and how many times more often each open edge is walked this way than the other."""
     one, other = faces[:, [0, 1, 2]].ravel(), faces[:, [1, 2, 0]].ravel()
     forward = one < other
     name = np.where(forward, one * count + other, other * count + one)

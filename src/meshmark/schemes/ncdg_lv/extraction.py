@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import count
 from math import log, log10
 from time import perf_counter
 
@@ -15,7 +16,8 @@ from meshmark.errors import InputError
 from meshmark.geometry.weld import Welded, weld
 from meshmark.mesh import Mesh
 from meshmark.schemes.ncdg_lv.certificate import Certificate
-from meshmark.schemes.ncdg_lv.locking import locked_readings, registered_readings
+from meshmark.schemes.ncdg_lv.cropping import cropped_readings
+from meshmark.schemes.ncdg_lv.locking import locked_readings, registered_readings, stretched_readings
 from meshmark.schemes.ncdg_lv.parameters import CREDIBLE_LOG10, DECODE_LOG10, PRESENT_LOG10
 from meshmark.schemes.ncdg_lv.reading import Reading, readings
 from meshmark.schemes.ncdg_lv.references import starting_frames
@@ -82,7 +84,8 @@ def find(
 
     First the surface is read as it stands; readings whose lock stands out are decoded. Then, where a reference says
     and, with `locking`, in frames of its own, every restoration of its shape is read, its frame corrected, and
-    decoded whatever its lock.
+    decoded whatever its lock; last, before a small
+    stretch, and a surface with a planar cut in the frames it may have had before that.
     Neither choice depends on the message. The false-positive bound is the chance of the lock times that of the
     decoded word, times the hypotheses.
     """
@@ -90,18 +93,11 @@ def find(
     surface = weld(mesh)
     best: Reading | None = None
     tried = 0
-    for reading in readings(surface, key, codec.n, wide, spacings):
-        tried += 1
+    for tried, reading in enumerate(readings(surface, key, codec.n, wide, spacings), 1):
         best = _better(best, reading)
         if reading.log10_chance <= DECODE_LOG10 and (found := _decoded(codec, reading)):
             return found
-    if reference is not None:
-        for reading in _registered(surface, key, codec.n, tried, reference):
-            tried += 1
-            best = _better(best, reading)
-            if found := _decoded(codec, reading):
-                return found
-    for reading in locked_readings(surface, key, codec.n, tried, wide, spacings) if locking else ():
+    for reading in _searched(surface, key, codec.n, count(tried + 1), wide, spacings, locking, reference):
         best = _better(best, reading)
         if found := _decoded(codec, reading):
             return found
@@ -111,14 +107,26 @@ def find(
     return Found(best, None, bound <= PRESENT_LOG10, bound)
 
 
-def _registered(
-    surface: Welded, key: Key, code_length: int, tried: int, reference: Certificate | Mesh
+def _searched(
+    surface: Welded,
+    key: Key,
+    code_length: int,
+    tickets: Iterator[int],
+    wide: bool,
+    spacings: Sequence[float] | None,
+    locking: bool,
+    reference: Certificate | Mesh | None,
 ) -> Iterator[Reading]:
-    frames = starting_frames(surface, reference)
-    spacings = steps = None
-    if isinstance(reference, Certificate):
-        spacings, steps = (reference.spacing,), (reference.step,)
-    return registered_readings(surface, key, code_length, tried, frames, spacings, steps)
+    """Yield readings in corrected frames: where a reference says, in the suspect's own, in those before a cut."""
+    if reference is not None:
+        frames = starting_frames(surface, reference)
+        spacing = (reference.spacing,) if isinstance(reference, Certificate) else None
+        step = (reference.step,) if isinstance(reference, Certificate) else None
+        yield from registered_readings(surface, key, code_length, tickets, frames, spacing, step)
+    if locking:
+        yield from locked_readings(surface, key, code_length, tickets, wide, spacings)
+        yield from stretched_readings(surface, key, code_length, tickets, wide, spacings)
+        yield from cropped_readings(surface, surface.points, key, code_length, tickets, wide, spacings)
 
 
 def _better(one: Reading | None, other: Reading) -> Reading:

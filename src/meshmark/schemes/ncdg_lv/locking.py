@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import islice
+from itertools import islice, product
 
 import numpy as np
 
+from meshmark.carriers.growing import grown, neighbourhoods
 from meshmark.carriers.lattice import Lattice
 from meshmark.carriers.lock import LockSearch
 from meshmark.carriers.quantisation import bit_phase, log10_lock_chance
@@ -24,44 +25,72 @@ from meshmark.schemes.ncdg_lv.parameters import (
     LOCK_TURNS,
     ORIGINAL_SPACINGS,
     SURELY_SKEW,
+    TYPICAL_STEP,
     preferred_spacings,
 )
 from meshmark.schemes.ncdg_lv.reading import Reading
-from meshmark.schemes.ncdg_lv.restoration import Restoration, restorations
+from meshmark.schemes.ncdg_lv.restoration import Restoration, restorations, stretched
 from meshmark.schemes.ncdg_lv.shapes import Response, Shapes
 
-__all__ = ["locked_readings", "registered_readings"]
+__all__ = ["locked_readings", "registered_readings", "stretched_readings"]
+
+# Clusters of cells that a stretch is looked for from.
+CLUSTERS = 4
+# Corrections tried in each: twelve directions need more than seven.
+STRETCH_GRID = 1_000_000
+# The frames of the stretched shapes have followed; so much of the usual drift is left.
+STRETCH_DRIFT = 0.6
 
 
 def locked_readings(
     surface: Welded,
     key: Key,
     code_length: int,
-    already: int,
+    tickets: Iterator[int],
     wide: bool = False,
     spacings: Sequence[float] | None = None,
 ) -> Iterator[Reading]:
     """Yield the best few corrected readings of each restoration, spacing and turn, likeliest first.
 
-    already: readings that were tried before these and share their bound.
+    tickets: numbers of readings, which all share one bound.
     """
-    tried = already
     shapes = Shapes(surface)
-    for restoration in restorations(surface, wide):
+    for restoration in restorations(surface):
         frame = shapes.frame(restoration.shapes[0])
         for spacing in _spacings(shapes, restoration, frame, key, wide) if spacings is None else spacings:
             lattice = Lattice.keyed(key, spacing)
             turns = frame_alternatives(frame, wide, SURELY_SKEW)
             for turned in turns if wide else islice(turns, LOCK_TURNS):
-                tried += 1
-                yield from _locked(shapes, restoration, lattice, turned, LOCK_STEPS, code_length, tried)
+                yield from _locked(
+                    shapes, restoration, lattice, turned, LOCK_STEPS, code_length, next(tickets)
+                )
+
+
+def stretched_readings(
+    surface: Welded,
+    key: Key,
+    code_length: int,
+    tickets: Iterator[int],
+    wide: bool = False,
+    spacings: Sequence[float] | None = None,
+) -> Iterator[Reading]:
+    """Yield readings of the suspect as it was before a small stretch, whose lock is credible.
+
+    A stretch moves cells by many steps; grown from a cluster that hardly feels it, the lock finds it all the same.
+    """
+    shapes, restoration = Shapes(surface), stretched(surface.points)
+    frame = shapes.frame(surface.points)
+    for spacing in _spacings(shapes, restoration, frame, key, wide) if spacings is None else spacings:
+        lattice = Lattice.keyed(key, spacing)
+        for turned in frame_alternatives(frame, wide, SURELY_SKEW):
+            yield from _grown(shapes, restoration, lattice, turned, code_length, next(tickets))
 
 
 def registered_readings(
     surface: Welded,
     key: Key,
     code_length: int,
-    already: int,
+    tickets: Iterator[int],
     frames: Sequence[Frame],
     spacings: Sequence[float] | None,
     steps: Sequence[float] | None,
@@ -70,17 +99,15 @@ def registered_readings(
 
     spacings, steps: of the lattice and the quantiser, where the reference tells them.
     """
-    tried = already
     held = [(frame, Shapes(surface, frame)) for frame in frames]
-    for restoration in restorations(surface, wide=True) if held else ():
+    for restoration in restorations(surface) if held else ():
         for frame, shapes in held:
             for spacing in (
                 preferred_spacings(frame.area)[:ORIGINAL_SPACINGS] if spacings is None else spacings
             ):
                 lattice = Lattice.keyed(key, spacing)
-                tried += 1
                 known = LOCK_STEPS if steps is None else steps
-                yield from _locked(shapes, restoration, lattice, frame, known, code_length, tried)
+                yield from _locked(shapes, restoration, lattice, frame, known, code_length, next(tickets))
 
 
 def _spacings(
@@ -119,7 +146,7 @@ def _locked(
     for step in steps:
         phase = bit_phase(response.cells.offset, keys.dither, step)
         gradient = 4.0 * np.pi / step * response.gradient
-        search = LockSearch(2.0 * phase, gradient, expected, LOCK_RADIUS, restoration.grid)
+        search = LockSearch(2.0 * phase, gradient, expected, LOCK_RADIUS)
         tried += search.tried
         for lock in search.rough(LOCK_CANDIDATES):
             chance = log10_lock_chance(lock.score, len(phase)) + float(np.log10(lock.tried))
@@ -134,6 +161,34 @@ def _locked(
             yield _again(
                 shapes.corrected(restoration, lattice, turned, correction), lattice, step, code_length, charge
             )
+
+
+def _grown(
+    shapes: Shapes,
+    restoration: Restoration,
+    lattice: Lattice,
+    turned: Frame,
+    code_length: int,
+    number: int,
+) -> Iterator[Reading]:
+    """Yield what locks from either of two clusters of cells on."""
+    response = shapes.response(restoration, lattice, turned)
+    if len(response.cells.nodes) < CARRIER_READABLE:
+        return
+    keys = lattice.keys(response.cells.nodes, code_length)
+    expected = np.concatenate([LOCK_EXPECTED * STRETCH_DRIFT, restoration.expected])
+    gradient = 4.0 * np.pi * response.gradient
+    places = response.cells.nodes.astype(np.float64)
+    orders = neighbourhoods(gradient / TYPICAL_STEP * expected, places, CLUSTERS)
+    for step, order in product(LOCK_STEPS, orders):
+        psi = 2.0 * bit_phase(response.cells.offset, keys.dither, step)
+        lock = grown(psi, gradient / step, expected, order, STRETCH_GRID)
+        if lock is None:
+            continue
+        tried = lock.tried * len(LOCK_STEPS)
+        if log10_lock_chance(lock.score, len(psi)) + np.log10(tried) < CREDIBLE_LOG10:
+            anew = shapes.corrected(restoration, lattice, turned, lock.correction)
+            yield _again(anew, lattice, step, code_length, number * (number + 1) * tried)
 
 
 def _again(response: Response, lattice: Lattice, step: float, code_length: int, charge: float) -> Reading:

@@ -16,6 +16,12 @@ __all__ = [
     "CARRIER_PLENTY",
     "CARRIER_READABLE",
     "CREDIBLE_LOG10",
+    "CROP_APART",
+    "CROP_CARRIERS",
+    "CROP_EXPECTED",
+    "CROP_FRAMES",
+    "CROP_SPACINGS",
+    "CROP_STEPS",
     "DECODE_LOG10",
     "DIVERGED",
     "EMBED_SELECTION",
@@ -40,6 +46,7 @@ __all__ = [
     "STEPS",
     "STEP_TRIES",
     "SURELY_SKEW",
+    "TYPICAL_STEP",
     "preferred_spacings",
 ]
 
@@ -105,10 +112,23 @@ LOCK_EXPECTED: Final = np.array([0.005] * 4 + [0.006] * 3)
 LOCK_RADIUS: Final = 3.0
 # Steps that a search tries: those that embeddings of any strength use.
 LOCK_STEPS: Final = tuple(float(step) for step in STEPS[:16])
+# A step such as standard marks have: clusters of cells are chosen by it.
+TYPICAL_STEP: Final = 0.1
 # So many corrections of a reading are decoded.
 LOCK_CANDIDATES: Final = 2
 # A lock less likely than 10^this by chance, over its own search, is worth measuring anew where it puts the model.
 CREDIBLE_LOG10: Final = -0.5
+# Frames that a cropped model may have had, so far apart (RMS motion over scale); the standard deviation of what is
+# left to find of each part of the correction.
+CROP_APART: Final = 0.035
+CROP_EXPECTED: Final = np.array([0.014] * 3 + [0.011] + [0.016] * 3)
+# So many of these frames are tried, locked from a first cluster of cells, then from a second.
+CROP_FRAMES: Final = {"quick": (50,), "wide": (250, 100)}
+# Spacings with so many carriers left may be that of the whole; the first few are tried.
+CROP_CARRIERS: Final = 130
+CROP_SPACINGS: Final = 2
+# The largest so many steps are tried: those of standard and strong marks.
+CROP_STEPS: Final = 9
 # With the original at hand, so many spacings are read in each of its frames.
 ORIGINAL_SPACINGS: Final = 3
 # So many turns of a frame are searched, where the search is to be quick.

@@ -10,18 +10,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from itertools import pairwise, permutations
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
 
-from meshmark.carriers.lock import MOST
 from meshmark.geometry.adjacency import unique_edges
 from meshmark.geometry.scale_space import random_walk, spectral_filters
 from meshmark.geometry.weld import Welded
 from meshmark.mesh import FloatArray
 
-__all__ = ["Restoration", "restorations"]
+__all__ = ["Restoration", "restorations", "stretched"]
 
 # Low-pass filters 1 - (1 - exp(-t x))^4: flat for coarse shape, nothing of the roughness left.
 LOW_PASS: Final = (2.0, 4.0)
@@ -30,11 +29,17 @@ ORDER: Final = 4
 UNDONE: Final = (0.0, 0.9, 2.0, 3.6, 5.6)
 # The inverse is the series sum_k (1 - exp(-t x))^k up to this k, which bounds what it does to noise.
 INVERSE_TERMS: Final = 8
-# Stretches along the axes of the file are relaxed from a few starts, to within about so much of each.
-STRETCHES: Final = ((0.0, 0.0, 0.0), *permutations((-0.018, 0.0, 0.018)))
-STRETCH_PART: Final = 0.008
-# A stretch moves cells by many steps, so its grid is fine.
-STRETCH_GRID: Final = 300_000
+# A stretch is relaxed in all five ways that keep the size, each with this standard deviation.
+STRETCH: Final = 0.01
+# Unit strains: along two axes, and askew between each two.
+STRAINS: Final = (
+    np.diag([1.0, -1.0, 0.0]) / np.sqrt(2.0),
+    np.diag([1.0, 1.0, -2.0]) / np.sqrt(6.0),
+    *(
+        np.roll(np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]]), (k, k), (0, 1)) / np.sqrt(2.0)
+        for k in range(3)
+    ),
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,17 +47,23 @@ class Restoration:
     """One guess at the shape before an attack: `shapes[0]` and so far towards each of the others.
 
     shapes: each (p, 3); middle, expected: for each shape after the first, the share of the way that is expected
-    and its standard deviation; grid: how many corrections a search may try, where not the usual number.
+    and its standard deviation.
     """
 
     shapes: tuple[FloatArray, ...]
     middle: tuple[float, ...] = ()
     expected: tuple[float, ...] = ()
-    grid: int = MOST
 
 
-def restorations(surface: Welded, wide: bool) -> Iterator[Restoration]:
-    """Yield what may have been before an attack, likeliest first; `wide` adds a stretch."""
+def stretched(points: FloatArray) -> Restoration:
+    """Return what may have been before a stretch of up to about 2 %, whatever its axes."""
+    centre = points.mean(axis=0)
+    ends = [points + (points - centre) @ (STRETCH * strain) for strain in STRAINS]
+    return Restoration((points, *ends), (0.0,) * len(ends), (1.0,) * len(ends))
+
+
+def restorations(surface: Welded) -> Iterator[Restoration]:
+    """Yield what may have been before noise or smoothing, likeliest first."""
     yield Restoration((surface.points,))
     walk = random_walk(surface.points, unique_edges(surface.faces))
     filters = [_low_pass(t) for t in LOW_PASS] + [_undone(t) for t in UNDONE[1:]]
@@ -62,11 +73,6 @@ def restorations(surface: Welded, wide: bool) -> Iterator[Restoration]:
     for before, after in pairwise((smooth, *undone)):
         yield Restoration((before, after), (0.5,), (0.3,))
     yield Restoration((smoother,))
-    if wide:
-        for stretch in STRETCHES:
-            base = centre + (smooth - centre) * (1.0 + np.array(stretch))
-            ends = [base + (base - centre) * STRETCH_PART * axis for axis in np.eye(3)[:2]]
-            yield Restoration((base, *ends), (0.0, 0.0), (1.0, 1.0), STRETCH_GRID)
 
 
 def _low_pass(amount: float) -> Callable[[FloatArray], FloatArray]:

@@ -1,0 +1,93 @@
+"""The plane by which a part of a surface was cut off: where open edges lie and everything is on one side."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from meshmark.geometry.open_edges import open_edges
+from meshmark.mesh import FloatArray, IntArray
+
+__all__ = ["Cut", "find_cut"]
+
+# Fewer open edges than this are a hole, not a cut.
+FEWEST_EDGES = 8
+# Planes are tried through so many triples of open edges, and judged by so many points.
+TRIPLES = 1500
+JUDGES = 3000
+# A cut is ragged: open edges lie within so many median edges of its plane, and hardly a point lies beyond it.
+RAGGED = 1.5
+BEYOND, BEYOND_SHARE = 2.0, 0.002
+REFINEMENTS = 3
+
+
+@dataclass(frozen=True, eq=False)
+class Cut:
+    """A planar cut.
+
+    normal: (3,) unit vector towards what is gone; centre: (3,) and spread (3, 3): mean and covariance of the border,
+    by length; length: of the border; area: that it encloses in the plane.
+    """
+
+    normal: FloatArray
+    centre: FloatArray
+    spread: FloatArray
+    length: float
+    area: float
+
+    @property
+    def radius(self) -> float:
+        """How wide the cut is: the radius of a circle of its length, or of its area if that is more."""
+        return float(max(self.length / (2.0 * np.pi), np.sqrt(self.area / np.pi)))
+
+
+def find_cut(points: FloatArray, faces: IntArray) -> Cut | None:
+    """Return the plane with the longest border along it and the whole surface on one side, or None."""
+    start, end, _ = open_edges(faces, len(points))
+    if len(start) < FEWEST_EDGES:
+        return None
+    one, other = points[start], points[end]
+    length = np.sqrt(((other - one) ** 2).sum(axis=1))
+    edge = float(np.median(np.sqrt(((points[faces[:, 0]] - points[faces[:, 1]]) ** 2).sum(axis=1))))
+    middle = (one + other) / 2.0
+    found = _best_plane(points, middle, length, edge)
+    if found is None:
+        return None
+    normal, centre = found
+    for _ in range(REFINEMENTS):
+        near = np.abs((middle - centre) @ normal) < RAGGED * edge
+        weight = length[near] / length[near].sum()
+        centre = weight @ middle[near]
+        arm = middle[near] - centre
+        spread = (arm * weight[:, None]).T @ arm
+        flattest = np.linalg.eigh(spread)[1][:, 0]
+        normal = flattest if flattest @ normal > 0.0 else -flattest
+    area = 0.5 * float(np.linalg.norm(np.cross(one[near] - centre, other[near] - centre).sum(axis=0)))
+    return Cut(normal, centre, spread, float(length[near].sum()), area)
+
+
+def _best_plane(
+    points: FloatArray, middle: FloatArray, length: FloatArray, edge: float
+) -> tuple[FloatArray, FloatArray] | None:
+    """Return normal (3,) and a place (3,) of the plane through three open edges with most border along it."""
+    rng = np.random.default_rng(0)  # the same planes every time
+    judges = points if len(points) <= JUDGES else points[rng.choice(len(points), JUDGES, replace=False)]
+    if not length.sum() > 0.0:
+        return None
+    a, b, c = middle[rng.choice(len(middle), (TRIPLES, 3), p=length / length.sum())].transpose(1, 0, 2)
+    normal = np.cross(b - a, c - a)
+    size = np.sqrt((normal * normal).sum(axis=1))
+    wide = size > 4.0 * edge * edge  # flatter triples say little of the direction
+    if not wide.any():
+        return None
+    normal, place = normal[wide] / size[wide, None], a[wide]
+    level = np.einsum("ij,ij->i", normal, place)
+    height = judges @ normal.T - level
+    above, below = (height > BEYOND * edge).mean(axis=0), (height < -BEYOND * edge).mean(axis=0)
+    near = np.abs(middle @ normal.T - level) < RAGGED * edge
+    worth = (length @ near) * (np.minimum(above, below) <= BEYOND_SHARE)
+    best = int(np.argmax(worth))
+    if not worth[best] > 0.0:
+        return None
+    return (normal[best] if above[best] <= below[best] else -normal[best]), place[best]

@@ -1,0 +1,155 @@
+"""Readings of a suspect that was cut by a plane: each frame that it may have had with what is gone, corrected.
+
+A crop moves the canonical frame by far more than a lock reaches. But the cut shows, and what is gone starts at its
+border: of all the frames that it may have given the model some hundred lie close to all others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import islice, product
+
+import numpy as np
+
+from meshmark.carriers.growing import grown, neighbourhoods
+from meshmark.carriers.lattice import Lattice
+from meshmark.carriers.lock import LockSearch
+from meshmark.carriers.pose import Pose, pose_gradient
+from meshmark.carriers.quantisation import bit_phase, log10_lock_chance
+from meshmark.coding.keys import Key
+from meshmark.geometry.completion import completed_frames
+from meshmark.geometry.frame import Frame
+from meshmark.geometry.sampling import Samples, gathered, plan_samples
+from meshmark.geometry.weld import Welded
+from meshmark.mesh import FloatArray, IntArray
+from meshmark.schemes.ncdg_lv.parameters import (
+    CARRIER_READABLE,
+    CREDIBLE_LOG10,
+    CROP_APART,
+    CROP_CARRIERS,
+    CROP_EXPECTED,
+    CROP_FRAMES,
+    CROP_SPACINGS,
+    CROP_STEPS,
+    GATHER,
+    LOCK_EXPECTED,
+    LOCK_RADIUS,
+    LOCK_STEPS,
+    LONGEST_SAMPLE,
+    TYPICAL_STEP,
+    preferred_spacings,
+)
+from meshmark.schemes.ncdg_lv.reading import Reading, read_cells
+
+__all__ = ["cropped_readings"]
+
+
+def cropped_readings(
+    surface: Welded,
+    points: FloatArray,
+    key: Key,
+    code_length: int,
+    tickets: Iterator[int],
+    wide: bool,
+    spacings: Sequence[float] | None = None,
+) -> Iterator[Reading]:
+    """Yield the readings whose lock is credible, likeliest frames first; none of a surface without a planar cut.
+
+    points: (p, 3) of the surface, as they are or restored; tickets: numbers of readings, which all share one bound.
+    """
+    frames = completed_frames(points, surface.faces, CROP_APART, CROP_FRAMES["wide" if wide else "quick"][0])
+    if not frames:
+        return
+    suspect = _Suspect(points, surface.faces, frames[0], key)
+    steps = LOCK_STEPS[:CROP_STEPS]
+    for cluster, many in enumerate(CROP_FRAMES["wide" if wide else "quick"]):
+        for frame in frames[:many]:
+            pose = _pose(frames[0], frame)
+            for spacing in suspect.spacings(frame.area) if spacings is None else spacings:
+                samples, lattice = suspect.samples(spacing), suspect.lattice(spacing)
+                yield from _grown(samples, lattice, pose, steps, cluster, code_length, next(tickets))
+
+
+class _Suspect:
+    """What is kept of a suspect for each spacing, measured in one frame."""
+
+    def __init__(self, points: FloatArray, faces: IntArray, home: Frame, key: Key) -> None:
+        self._points, self._faces, self._key = home.to_canonical(points), faces, key
+        self._samples: dict[float, Samples] = {}
+        self._lattices: dict[float, Lattice] = {}
+        self._carriers: dict[float, int] = {}
+
+    def samples(self, spacing: float) -> Samples:
+        """Return samples of the surface."""
+        if spacing not in self._samples:
+            longest = LONGEST_SAMPLE * spacing
+            sampler = plan_samples(self._points, self._faces, longest)
+            self._samples[spacing] = gathered(sampler(self._points), GATHER * longest)
+        return self._samples[spacing]
+
+    def lattice(self, spacing: float) -> Lattice:
+        """Return the key's lattice."""
+        if spacing not in self._lattices:
+            self._lattices[spacing] = Lattice.keyed(self._key, spacing)
+        return self._lattices[spacing]
+
+    def spacings(self, area: float) -> list[float]:
+        """Return those that an embedding into a whole of this canonical area is likeliest to have used."""
+        return list(islice(filter(self._rich, preferred_spacings(area)), CROP_SPACINGS))
+
+    def _rich(self, spacing: float) -> bool:
+        if spacing not in self._carriers:
+            cells = read_cells(self.samples(spacing), self.lattice(spacing), Pose.turned(np.eye(3)))
+            self._carriers[spacing] = len(cells.nodes)
+        return self._carriers[spacing] >= CROP_CARRIERS
+
+
+def _pose(home: Frame, frame: Frame) -> Pose:
+    """Return what takes canonical coordinates of one frame to those of another."""
+    shift = (home.centre - frame.centre) @ frame.axes / frame.scale
+    return Pose(home.axes.T @ frame.axes, home.scale / frame.scale, shift)
+
+
+def _grown(
+    samples: Samples,
+    lattice: Lattice,
+    pose: Pose,
+    steps: Sequence[float],
+    cluster: int,
+    code_length: int,
+    number: int,
+) -> Iterator[Reading]:
+    """Yield what locks from one cluster of cells on, the one that takes fewest corrections or one of the next."""
+    cells = read_cells(samples, lattice, pose)
+    if len(cells.nodes) < CARRIER_READABLE:
+        return
+    keys = lattice.keys(cells.nodes, code_length)
+    gradient = 4.0 * np.pi * pose_gradient(cells, lattice)
+    places = cells.nodes.astype(np.float64)
+    orders = neighbourhoods(gradient / TYPICAL_STEP * CROP_EXPECTED, places, cluster + 1)[cluster:]
+    for step, order in product(steps, orders):
+        psi = 2.0 * bit_phase(cells.offset, keys.dither, step)
+        lock = grown(psi, gradient / step, CROP_EXPECTED, order)
+        if lock is None:
+            continue
+        tried = lock.tried * len(steps)
+        if log10_lock_chance(lock.score, len(psi)) + np.log10(tried) < CREDIBLE_LOG10:
+            pose = pose.then(lock.correction)
+            yield _anew(samples, lattice, pose, step, code_length, number * (number + 1) * tried)
+
+
+def _anew(
+    samples: Samples, lattice: Lattice, pose: Pose, step: float, code_length: int, charge: float
+) -> Reading:
+    """Return the best reading close to where a correction puts the model, measured there."""
+    for _ in range(2):  # the response of the first is from where it was before
+        cells = read_cells(samples, lattice, pose)
+        keys = lattice.keys(cells.nodes, code_length)
+        phase = bit_phase(cells.offset, keys.dither, step)
+        gradient = pose_gradient(cells, lattice)
+        search = LockSearch(2.0 * phase, 4.0 * np.pi / step * gradient, LOCK_EXPECTED, LOCK_RADIUS)
+        correction = search.polished(search.rough(1)[0]).correction
+        charge *= search.tried
+        pose = pose.then(correction)
+    phase = bit_phase(cells.offset + gradient @ correction, keys.dither, step)
+    return Reading.of(lattice.spacing, step, cells, keys, phase, charge)
