@@ -2,9 +2,9 @@
 
     python -m benchmarks.marks [--models NAME,...] [--no-edits]
 
-Prints, model by model and then over all: the layer's PSNR, bits per mark and payload bits per point, points that fail
-though nothing was done to them under every benign operation, marks that hold by chance, how surely a single moved
-point is seen, and how well the map finds local edits. Exits 1 where a bar is missed.
+Prints, model by model and then over all: the layer's PSNR, bits per mark and payload bits per point, points
+that fail though nothing was done to them under every benign operation, marks that hold by chance, how surely a
+single moved point is seen, and how well the map finds local edits. Exits 1 where a bar is missed.
 """
 
 from __future__ import annotations
@@ -42,6 +42,7 @@ SMALLEST = 2500
 SHARES = (0.005, 0.02, 0.05, 0.2)
 # Payload that is left where 55 % of the marks are, and 5 % of those are spent on the code.
 NET = 0.55 * 0.95
+BENIGN = ("shuffle", "float32", "weld", "unweld", "file_obj", "file_ply", "file_stl", "file_glb", "file_3mf")
 FORMATS = ("off", "obj", "ply", "stl", "glb", "gltf", "3mf")
 
 
@@ -69,8 +70,8 @@ def _model(name: str, mesh: Mesh, figures: dict[str, list[float]], edits: bool) 
     fresh = {attack: _fresh(attacked) for attack, attacked in _benign(marked)}
     one, ring = _single(marked, done, 1.42), _single(marked, done, 3.0)
     print(
-        f"{name:30} {len(surface.points):6} points  {psnr:.1f} dB  {done.bits_per_mark} bits  {net:.2f} net/point  "
-        f"eligible {found.eligible.mean():.3f}  id {found.nonce == ID}  {seconds:.2f} s  single {one:.3f} {ring:.3f}",
+        f"{name:30} {len(surface.points):6} points  {psnr:.1f} dB  {done.bits_per_mark} bits  "
+        f"{net:.2f} net/point  eligible {found.eligible.mean():.3f}  id {found.nonce == ID}  {seconds:.2f} s  single {one:.3f} {ring:.3f}",
         flush=True,
     )
     for attack, failing in fresh.items():
@@ -145,7 +146,8 @@ def _benign(mesh: Mesh) -> Iterator[tuple[str, Mesh]]:
 def _single(mesh: Mesh, done: Marked, steps: float) -> float:
     """Return the share of single points, far from each other, that are seen when each is moved by `steps`.
 
-    Steps of the ring that the point is in the middle of: a step is `step` times the ring's spread, 3.3 at the median.
+    Steps of the ring that the point is in the middle of: a step is `step` times the ring's spread, 3.3 at the
+    median.
     """
     surface = weld(mesh)
     graph = adjacency(unique_edges(surface.faces), len(surface.points))

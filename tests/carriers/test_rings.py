@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import networkx
+import networkx  # type: ignore[import-untyped]
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -48,10 +48,12 @@ def test_a_ring_says_exactly_the_faces_around_its_point() -> None:
 def test_the_rim_of_an_open_surface_is_told() -> None:
     rings = ordered_rings(HEXAGON, 7)
     inner = next(group for group in rings if 0 in group.vertex)
-    assert not inner.open.any() and inner.rim.all()
+    assert not inner.open.any()
+    assert inner.rim.all()
     assert sorted(inner.around[0]) == [1, 2, 3, 4, 5, 6]
     outer = next(group for group in rings if 1 in group.vertex)
-    assert outer.open.all() and outer.around.shape == (6, 3)
+    assert outer.open.all()
+    assert outer.around.shape == (6, 3)
     row = int(np.flatnonzero(outer.vertex == 1)[0])
     assert outer.around[row].tolist() == [2, 0, 6]
     assert outer.rim[row].tolist() == [True, False, True]

@@ -24,10 +24,10 @@ class RingShapes:
     """Shapes of r rings of k neighbours.
 
     centre: (r, 3) mean of the neighbours. size: (r,) their RMS distance from it, in scene units; 0 where they
-    coincide. offsets: (r, k, 3) the neighbours less the centre, in units of the size. normal: (r, 3) unit, of the
-    polygon's area vector; zeros where it has none. distance: (r, k) lengths of the offsets. chord: (r, k) from each
-    neighbour to the next. spread: (r,) how much an error of one coordinate of every neighbour and of the middle point
-    grows in the point's place in the ring, a factor of standard deviations.
+    coincide. offsets: (r, k, 3) the neighbours less the centre, in units of the size. normal: (r, 3) unit, of
+    the polygon's area vector; zeros where it has none. distance: (r, k) lengths of the offsets. chord: (r, k)
+    from each neighbour to the next. spread: (r,) how much an error of one coordinate of every neighbour and of
+    the middle point grows in the point's place in the ring, a factor of standard deviations.
     """
 
     centre: FloatArray
@@ -71,9 +71,9 @@ def _spread(offsets: FloatArray, normal: FloatArray, area: FloatArray) -> FloatA
     """Return how much errors of standard deviation 1 grow, (r,), to first order, on the axis where they grow most.
 
     The place in the ring is the point less a sum of the neighbours with weights +-1, turned into the frame and
-    scaled. Errors tilt the normal by that of the area vector, half the sum of error x (next - previous neighbour);
-    they turn the first axis by that of the harmonic, and scale by that of the size. The sum over random signs has the
-    second moments of the offsets.
+    scaled. Errors tilt the normal by that of the area vector, half the sum of error x (next - previous
+    neighbour); they turn the first axis by that of the harmonic, and scale by that of the size. The sum over
+    random signs has the second moments of the offsets.
     """
     count = offsets.shape[1]
     axes = frames(offsets, normal)
@@ -96,7 +96,7 @@ def _spread(offsets: FloatArray, normal: FloatArray, area: FloatArray) -> FloatA
 
 
 def starts(distance: FloatArray, tolerance: FloatArray) -> tuple[IntArray, IntArray]:
-    """Return (row, neighbour), each (c,): the farthest neighbours of each ring, and those within `tolerance` (r,)."""
+    """Return (row, neighbour), each (c,): the neighbours within `tolerance` (r,) of the farthest of each ring."""
     row, neighbour = np.nonzero(distance >= (distance.max(axis=1) - tolerance)[:, None])
     return row, neighbour
 
@@ -104,8 +104,8 @@ def starts(distance: FloatArray, tolerance: FloatArray) -> tuple[IntArray, IntAr
 def frames(offsets: FloatArray, normal: FloatArray) -> FloatArray:
     """Return (r, 3, 3): for each ring its axes as rows, the last the normal, the first towards its first neighbour.
 
-    More exactly towards the first harmonic of the offsets (r, k, 3), which all neighbours hold in place. Zeros where
-    there is none.
+    More exactly towards the first harmonic of the offsets (r, k, 3), which all neighbours hold in place. Zeros
+    where there is none.
     """
     mode = np.einsum("rki,k->ri", offsets, _wave(offsets.shape[1]))
     mode -= np.einsum("ri,ri->r", mode, normal)[:, None] * normal

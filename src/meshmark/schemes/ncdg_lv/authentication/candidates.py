@@ -1,7 +1,8 @@
 """Ways to read a ring: its start, its step and the rounding of its lengths, and the keyed numbers of each.
 
-Where a length lies near a rounding boundary, or two neighbours are about equally far, a file of little precision may
-turn the one into the other. Each such reading is a candidate, and every candidate counts as a try.
+Where a length lies near a rounding boundary, or two neighbours are about equally far, a file of little
+precision may turn the one into the other. Each such reading is a candidate, and every candidate counts as a
+try.
 """
 
 from __future__ import annotations
@@ -56,8 +57,9 @@ class Candidates:
 
     vertex: (c,) the middle points. level: (c,) of the step; step: (c,) in scene units. axes: (c, 3, 3) rows.
     centre: (c, 3) the mean of the ring. kind: (c,) HEADER, PLACE or PAYLOAD; index: (c,) uint32 of the symbol.
-    words: (c, 7) uint64, the ring's keyed numbers. place: (c, 3) of the point in its ring, in steps, less the dither:
-    a mark has whole numbers here. rim: (c,) a bit for each neighbour that is on a boundary, in the ring's order.
+    words: (c, 7) uint64, the ring's keyed numbers. place: (c, 3) of the point in its ring, in steps, less the
+    dither: a mark has whole numbers here. rim: (c,) a bit for each neighbour that is on a boundary, in the
+    ring's order.
     """
 
     vertex: IntArray

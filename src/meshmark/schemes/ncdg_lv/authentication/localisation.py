@@ -12,16 +12,18 @@ from meshmark.schemes.ncdg_lv.authentication.checks import Checks
 
 __all__ = ["altered_points"]
 
-# A point on the border of an altered part with this share of neighbours that are vouched for was not altered itself.
+# A point on the border of an altered part with this share of neighbours that are vouched for was not altered
+# itself.
 _VOUCHED = 0.55
 
 
 def altered_points(surface: Welded, checks: Checks) -> NDArray[np.bool_]:
     """Return (p,): the points that an edit seems to have moved, made, or laid bare.
 
-    A point without a mark that holds next to it is altered, but for the border of a larger altered part: marks there
-    fail for the sake of one neighbour, and leave intact ones without a voucher (not so where the surface ends). Points whose rings carry no marks are
-    judged as the nearest that do, an altered one before an intact one.
+    A point without a mark that holds next to it is altered, but for the border of a larger altered part: marks
+    there fail for the sake of one neighbour, and leave intact ones without a voucher (not so where the surface
+    ends). Points whose rings carry no marks are judged as the nearest that do, an altered one before an intact
+    one.
     """
     count = len(surface.points)
     graph = adjacency(unique_edges(surface.faces), count)
@@ -43,4 +45,4 @@ def altered_points(surface: Welded, checks: Checks) -> NDArray[np.bool_]:
         altered |= reached & near_altered
         known |= reached
         open_ &= ~reached
-    return altered
+    return np.asarray(altered)

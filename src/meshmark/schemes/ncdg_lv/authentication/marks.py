@@ -166,7 +166,7 @@ def _allowed(count: int, parts: _Parts, unit: float, layout: Layout) -> NDArray[
 
 
 def _rms(parts: _Parts, chosen: NDArray[np.bool_], unit: float, layout: Layout) -> float:
-    """Return the RMS displacement of all points where the chosen (p,) are marks: uniform in the span of three axes."""
+    """Return the RMS displacement of all points for marks at `chosen` (p,): uniform in the span of each axis."""
     square = 0.0
     for group, shape in parts:
         some = shape.take(chosen[group.vertex])

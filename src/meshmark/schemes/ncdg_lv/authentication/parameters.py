@@ -57,8 +57,8 @@ LEVELS: Final = range(8, 39)
 REACH: Final = 0.6
 # Largest growth of an error in a ring that may carry a mark (`RingShapes.spread`): beyond are slivers.
 SPREAD: Final = 5.0
-# Half a step is so many standard deviations of the error of the mark's place, as the spread foretells it; measured on the
-# training models it is 0.7 of that at most, so half a step is 5.7 deviations.
+# Half a step is so many standard deviations of the error of the mark's place, as the spread foretells it;
+# measured on the training models it is 0.7 of that at most, so half a step is 5.7 deviations.
 DEVIATIONS: Final = 4.3
 # The ring's hash takes its lengths in units of so many steps, but of no more than so many ring sizes.
 HASH_STEPS: Final = 32.0

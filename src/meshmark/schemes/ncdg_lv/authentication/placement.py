@@ -1,7 +1,7 @@
 """Which marks that hold also lie where they were: parts that were moved whole, or pasted, are found here.
 
-A part that is moved as one keeps the marks inside it. But it hangs together with the rest by no mark that holds, and
-some of its marks say where in the model they belong.
+A part that is moved as one keeps the marks inside it. But it hangs together with the rest by no mark that
+holds, and some of its marks say where in the model they belong.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ _SLACK = 1.0
 class Evidence:
     """What e marks say of their places.
 
-    vertex: (e,). centre: (e, 3) of the ring in the suspect. direction: (e, 3) unit and value: (e,) where the centre lay
-    along it in the marked model, in half diagonals from the middle. step: of the value.
+    vertex: (e,). centre: (e, 3) of the ring in the suspect. direction: (e, 3) unit and value: (e,) where the
+    centre lay along it in the marked model, in half diagonals from the middle. step: of the value.
     """
 
     vertex: IntArray
@@ -49,10 +49,10 @@ def in_place(
 ) -> NDArray[np.bool_]:
     """Return (p,): which of the marks that hold, `passed` (p,), to believe.
 
-    pairs: (n, 2) each mark that holds and a point of its ring. failing: (p,) points that no mark vouches for, though
-    one should. Marks that share points of their rings are one part. The largest part is believed; another one where
-    most of its own evidence agrees with the largest part's, or, without any, where it touches nothing that fails: a
-    shell of its own.
+    pairs: (n, 2) each mark that holds and a point of its ring. failing: (p,) points that no mark vouches for,
+    though one should. Marks that share points of their rings are one part. The largest part is believed;
+    another one where most of its own evidence agrees with the largest part's, or, without any, where it touches
+    nothing that fails: a shell of its own.
     """
     part = _parts(pairs, len(passed))
     count = int(part.max(initial=-1)) + 1

@@ -38,9 +38,8 @@ def place_symbols(found: Candidates, frame: tuple[FloatArray, float], symbol_bit
     """Return where rings lie along a keyed direction of each, (c,), in a frame of middle and radius."""
     middle, radius = frame
     along = np.einsum("ri,ri->r", (found.centre - middle) / radius, directions(found))
-    return np.clip(np.floor((along + 1.0) / 2.0 * (1 << symbol_bits)), 0, (1 << symbol_bits) - 1).astype(
-        np.int64
-    )
+    whole = np.floor((along + 1.0) / 2.0 * (1 << symbol_bits)).astype(np.int64)
+    return np.asarray(np.clip(whole, 0, (1 << symbol_bits) - 1))
 
 
 def place_values(symbols: IntArray, symbol_bits: int) -> FloatArray:

@@ -1,7 +1,7 @@
 """The word of a mark: its symbol and a MAC, as whole places in the three coordinates of its ring.
 
-The MAC of a symbol is a universal hash, a * symbol + b modulo 2^64, of which the top bits are kept, with a and b from
-BLAKE2b of the key, the model's id and the ring: a pair that is used once (Dietzfelbinger 1996,
+The MAC of a symbol is a universal hash, a * symbol + b modulo 2^64, of which the top bits are kept, with a and
+b from BLAKE2b of the key, the model's id and the ring: a pair that is used once (Dietzfelbinger 1996,
 doi:10.1007/3-540-60922-9_46). An attacker who sees a word cannot make one for another symbol, ring or model.
 """
 
@@ -68,7 +68,7 @@ def _mac(
 ) -> NDArray[np.uint64]:
     text = symbol | rim.astype(np.uint64) << np.uint64(16)
     mixed = bound[:, 0] * (text + np.uint64(1)) + bound[:, 1]
-    return mixed >> np.uint64(64 - layout.check)
+    return np.asarray(mixed, np.uint64) >> np.uint64(64 - layout.check)
 
 
 def _mask(bound: NDArray[np.uint64], layout: Layout) -> NDArray[np.uint64]:

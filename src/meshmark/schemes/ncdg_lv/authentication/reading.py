@@ -1,0 +1,72 @@
+"""Reading candidates: which of them are marks, and how likely that is by chance."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import log, log10
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshmark.mesh import FloatArray, IntArray
+from meshmark.schemes.ncdg_lv.authentication.candidates import HEADER, Candidates
+from meshmark.schemes.ncdg_lv.authentication.parameters import LAYOUTS, LEVELS, Layout
+from meshmark.schemes.ncdg_lv.authentication.symbols import header_symbols
+from meshmark.schemes.ncdg_lv.authentication.words import symbols_at
+
+__all__ = ["Read", "chance_of", "read_marks"]
+
+# A mark may be this many steps from its whole place, and so many times the median of all.
+_WINDOW, _WINDOWS = 0.12, 8.0
+# Odd numbers that make three whole places into one.
+_MIX = np.array([0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9, 0x94D049BB133111EB], np.uint64)
+
+
+@dataclass(frozen=True, eq=False)
+class Read:
+    """What candidates say: symbols (c,), whether a mark holds, how far it is off, and whether its ring was torn."""
+
+    symbol: IntArray
+    holds: NDArray[np.bool_]
+    off: FloatArray
+    torn: NDArray[np.bool_]
+
+
+def read_marks(found: Candidates, bound: NDArray[np.uint64], layout: Layout, nonce: int | None) -> Read:
+    """Return which candidates are marks.
+
+    Marks lie as near to whole places as the file's precision lets them; how near that is, the marks tell. What lies
+    farther off holds by chance, or was moved by less than a step. A mark beside a boundary that would hold if there
+    were none is a mark beside a hole that was made.
+    """
+    places = np.round(found.place)
+    off = np.abs(found.place - places).max(axis=1)
+    whole = places.astype(np.int64)
+    symbol, holds = symbols_at(whole, found.rim, bound, layout)
+    torn = np.zeros(len(off), bool)
+    rows = np.flatnonzero((found.rim != 0) & ~holds)
+    torn[rows] = symbols_at(whole[rows], np.zeros(len(rows), np.int64), bound[rows], layout)[1]
+    holds |= torn
+    if nonce is not None:
+        header = found.kind == HEADER
+        holds[header] &= symbol[header] == header_symbols(found.index[header], nonce, layout.symbol)
+    if holds.any():
+        holds &= off <= _WINDOW + _WINDOWS * float(np.median(off[holds]))
+    return Read(symbol, holds, off, torn & holds)
+
+
+def chance_of(found: Candidates, holds: NDArray[np.bool_], layout: Layout) -> float:
+    """Bound the chance that so many marks hold by luck, times all layouts and levels (Chernoff).
+
+    Points that lie alike in rings that are alike count once: their marks hold or fail together.
+    """
+    cells = np.round(found.place).astype(np.int64).view(np.uint64) @ _MIX
+    tries = found.words[:, 0] ^ cells
+    total, held = len(np.unique(tries)), len(np.unique(tries[holds]))
+    luck = 2.0**-layout.check
+    share = held / max(total, 1)
+    if share <= luck:
+        return 0.0
+    rest = 0.0 if share >= 1.0 else (1.0 - share) * log((1.0 - share) / (1.0 - luck))
+    nats = total * (share * log(share / luck) + rest)
+    return min(0.0, log10(len(LAYOUTS) * len(LEVELS)) - nats / log(10.0))
