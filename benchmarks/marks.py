@@ -71,7 +71,8 @@ def _model(name: str, mesh: Mesh, figures: dict[str, list[float]], edits: bool) 
     one, ring = _single(marked, done, 1.42), _single(marked, done, 3.0)
     print(
         f"{name:30} {len(surface.points):6} points  {psnr:.1f} dB  {done.bits_per_mark} bits  "
-        f"{net:.2f} net/point  eligible {found.eligible.mean():.3f}  id {found.nonce == ID}  {seconds:.2f} s  single {one:.3f} {ring:.3f}",
+        f"{net:.2f} net/point  eligible {found.eligible.mean():.3f}  id {found.nonce == ID}  "
+        f"{seconds:.2f} s  single {one:.3f} {ring:.3f}",
         flush=True,
     )
     for attack, failing in fresh.items():

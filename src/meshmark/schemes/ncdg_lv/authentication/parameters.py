@@ -42,7 +42,7 @@ class Layout:
     @property
     def levels(self) -> int:
         """Return the smallest number whose third power has room for the words."""
-        return ceil(2.0 ** (self.bits / 3.0) - 1e-9)
+        return ceil(float(2.0 ** (self.bits / 3.0)) - 1e-9)
 
 
 # 6 bits of MAC let one altered mark in 64 through, fewer where marks lie near their whole places (`checks`); room
