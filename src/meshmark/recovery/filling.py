@@ -20,6 +20,8 @@ __all__ = ["Filled", "fill_holes"]
 
 # Faces of the filling are this much longer than those around the hole, and keep this far from its rim.
 LONGER, GAP = 1.5, 0.6
+# A rim and a border are sewn that are this near, in edges of the rim.
+REACH = 8.0
 # Missing parts below this share of the largest one's area are no parts.
 SMALLEST_PART = 0.02
 # A rim belongs to the border of the miniature where it lies within so many of its own edges of it.
@@ -39,12 +41,16 @@ class Filled:
 
 
 def fill_holes(
-    points: FloatArray, faces: IntArray, touched: NDArray[np.bool_], mini: tuple[FloatArray, IntArray]
+    points: FloatArray,
+    faces: IntArray,
+    touched: NDArray[np.bool_],
+    torn: NDArray[np.bool_],
+    mini: tuple[FloatArray, IntArray],
 ) -> Filled:
     """Fill the holes of a surface whose rims are mostly `touched` (p,), as the miniature has it.
 
     mini: points and faces in the same coordinates. Holes that the miniature has, too, stay; one for which it has no
-    fitting part is closed by a fan.
+    fitting part is closed by a fan where its rim is `torn` (p,).
     """
     edges = border_edges(faces)
     rims = [rim[::-1] for rim in loops(edges) if touched[rim].mean() > 0.5]
@@ -56,14 +62,15 @@ def fill_holes(
     patch = _missing(points, faces, edges, ends, fine, GAP * size)
     new = _Sewing(points, faces, fine[0], patch)
     borders = loops(border_edges(patch)) if len(patch) else []
-    pairs = _pairs(points, rims, fine[0], borders)
-    for rim, border in pairs:
-        new.sew(rims[rim], borders[border])
+    pairs = _pairs(points, rims, fine[0], borders, REACH * size)
+    for one, other in pairs:
+        new.sew(rims[one], borders[other])
     own = border_edges(mini[1])
-    for number in sorted(set(range(len(rims))) - {rim for rim, _ in pairs}):
-        if not _is_own(points[rims[number]], mini[0], own, OWN_BORDER * size):
-            new.close(rims[number])
-    for number in sorted(set(range(len(borders))) - {border for _, border in pairs}):
+    for number in sorted(set(range(len(rims))) - {one for one, _ in pairs}):
+        rim = rims[number]
+        if torn[rim].mean() > 0.5 and not _is_own(points[rim], mini[0], own, OWN_BORDER * size):
+            new.close(rim)
+    for number in sorted(set(range(len(borders))) - {other for _, other in pairs}):
         if not _is_own(fine[0][borders[number]], mini[0], own, 0.1 * size):
             new.close(len(points) + borders[number][::-1])
     return new.result()
@@ -120,9 +127,9 @@ def _simple(part: IntArray) -> IntArray:
 
 
 def _pairs(
-    points: FloatArray, rims: list[IntArray], places: FloatArray, borders: list[IntArray]
+    points: FloatArray, rims: list[IntArray], places: FloatArray, borders: list[IntArray], reach: float
 ) -> list[tuple[int, int]]:
-    """Return which rim is sewn to which border: each to its nearest, each once."""
+    """Return which rim is sewn to which border: each to its nearest, each once, none farther than `reach`."""
     choices = []
     for number, rim in enumerate(rims):
         tree = cKDTree(points[rim])
@@ -131,8 +138,8 @@ def _pairs(
             back = np.mean(cKDTree(places[border]).query(points[rim])[0])
             choices.append((float(there + back), number, other))
     pairs: list[tuple[int, int]] = []
-    for _, rim_number, border_number in sorted(choices):
-        if all(rim_number != a and border_number != b for a, b in pairs):
+    for off, rim_number, border_number in sorted(choices):
+        if 0.5 * off < reach and all(rim_number != a and border_number != b for a, b in pairs):
             pairs.append((rim_number, border_number))
     return pairs
 

@@ -14,7 +14,7 @@ __all__ = ["SMALLEST", "miniature", "read_miniature"]
 
 SMALLEST = 40
 """Bytes of the smallest miniature that is made."""
-LARGEST_POINTS = 6000
+LARGEST_POINTS = 4000
 # Bits of a point in a miniature, connections included: the first guess, and how often it is corrected.
 BITS_OF_POINT, TRIES = 17.0, 8
 # Quantiser steps along the RMS size of a surface, for each of its points: rounding is to be about what

@@ -28,7 +28,7 @@ AS_IT_WAS = 0.7
 # A part is cut out where it cannot be drawn back: this share of its faces turn over.
 TURNED = 0.1
 # A part is the rim of a hole that has more than this share of its points on a border.
-RIM = 0.3
+RIM = 0.15
 MOST_JUDGES = 20_000
 
 
@@ -65,7 +65,7 @@ def recover(suspect: Welded, altered: NDArray[np.bool_], miniature: bytes) -> Re
     points, cut, torn = _drawn_back(suspect, altered & used, intact, mini)
     out = cut[suspect.faces].any(axis=1)
     torn[suspect.faces[out]] = True
-    filled = fill_holes(points, suspect.faces[~out], torn, mini)
+    filled = fill_holes(points, suspect.faces[~out], altered | torn, torn, mini)
     return _result(suspect, filled.points, filled.faces, int((~out).sum()), used)
 
 

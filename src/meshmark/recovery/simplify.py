@@ -20,7 +20,7 @@ __all__ = ["simplify"]
 # The library's first thresholds suit models of this size; see `attacks.simplification`.
 SIZE = 2000.0
 # The library leaves this many points for each that is wanted, and at least so many.
-FOR_EACH, AT_LEAST = 6, 3000
+FOR_EACH, AT_LEAST = 2.5, 1500
 # Pull of border edges, and of points towards where they are, against the pull of faces.
 BORDER, STILL = 10.0, 1e-3
 LEAST_COSINE = 0.2
@@ -31,7 +31,7 @@ def simplify(points: FloatArray, faces: IntArray, count: int) -> tuple[FloatArra
 
     Faces with edges that more than two faces share stay as they are.
     """
-    first = max(FOR_EACH * count, AT_LEAST)
+    first = max(int(FOR_EACH * count), AT_LEAST)
     if len(points) > 1.2 * first:
         points, faces = _coarse(points, faces, 2 * first)
     return _Collapser(points, faces).run(count)
