@@ -75,7 +75,7 @@ def check(surface: Welded, key: Key, nonce: int | None = None) -> Checks:
     subkey = key.subkey(PURPOSE)
     found = joined(
         [
-            all_candidates(points, group, shape, setting.unit, subkey)
+            all_candidates(points, group, shape, setting, subkey)
             for group, shape in zip(rings, shapes, strict=True)
         ]
     )
