@@ -83,7 +83,7 @@ def _row(mesh: Mesh, attacked: Attacked, faces: IntArray, found: Recovered, seco
     before = error(attacked.mesh.vertices[attacked.altered], SurfaceIndex(attacked.mesh.vertices, faces))
     after = error(found.points[changed], SurfaceIndex(found.points, found.faces))
     places = (float("nan"), float("nan"))
-    if len(found.points) == len(mesh.vertices) == len(attacked.mesh.vertices):
+    if attacked.altered.any() and len(found.points) == len(mesh.vertices) == len(attacked.mesh.vertices):
         rows = attacked.altered
         steps = [(each - mesh.vertices)[rows] for each in (attacked.mesh.vertices, found.points)]
         one, other = (float(np.sqrt((step**2).sum(axis=1).mean())) / size for step in steps)

@@ -16,7 +16,7 @@ SMALLEST = 40
 """Bytes of the smallest miniature that is made."""
 LARGEST_POINTS = 4000
 # Bits of a point in a miniature, connections included: the first guess, and how often it is corrected.
-BITS_OF_POINT, TRIES = 17.0, 8
+BITS_OF_POINT, TRIES = 12.0, 10
 # Quantiser steps along the RMS size of a surface, for each of its points: rounding is to be about what
 # simplification changes, which falls as their number grows. Measured: docs/decisions/0007.
 STEPS_OF_POINT = 0.12

@@ -76,7 +76,15 @@ class Drawing:
             _, solver = self._held(inner, detail, step)
             for _ in range(rounds):
                 moved[rows] += solver.solve(self._targets(moved, rows) - moved[rows])
-        stiffness, solver = self._held(inner, SMOOTH, step)
+        return self.smoothed(moving, moved)
+
+    def smoothed(self, moving: NDArray[np.bool_], moved: FloatArray) -> FloatArray:
+        """Return the points `moved` (p, 3), those that are `moving` smooth below the length of detail."""
+        moved = moved.copy()
+        rows = np.flatnonzero(moving)
+        step = _length(moved, unique_edges(self.faces[moving[self.faces].any(axis=1)]))
+        columns = self.walk[:, rows]
+        stiffness, solver = self._held(csc_array(columns.T @ columns), SMOOTH, step)
         wanted = self._layout(moved, rows, columns)
         for _ in range(SMOOTH_ROUNDS):
             moved[rows] = solver.solve(stiffness * wanted + self._targets(moved, rows))

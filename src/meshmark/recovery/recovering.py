@@ -66,7 +66,17 @@ def recover(suspect: Welded, altered: NDArray[np.bool_], miniature: bytes) -> Re
     out = cut[suspect.faces].any(axis=1)
     torn[suspect.faces[out]] = True
     filled = fill_holes(points, suspect.faces[~out], altered | torn, torn, mini)
-    return _result(suspect, filled.points, filled.faces, int((~out).sum()), used)
+    places = _blended(filled.points, filled.faces, len(points), mini)
+    return _result(suspect, places, filled.faces, int((~out).sum()), used)
+
+
+def _blended(points: FloatArray, faces: IntArray, old: int, mini: tuple[FloatArray, IntArray]) -> FloatArray:
+    """Return the points, those of the filling smoothed into the surface around it."""
+    new = np.arange(len(points)) >= old
+    if not new.any():
+        return points
+    graph = adjacency(unique_edges(faces), len(points))
+    return Drawing(points, faces, graph, new, mini).smoothed(new, points)
 
 
 def _drawn_back(
