@@ -55,8 +55,9 @@ def grown(
     """Return the best correction found, or None where the first cluster does not lock.
 
     psi, gradient, expected: as in `LockSearch`; order: (n,) of the cells, those of the first cluster first (see
-    `neighbourhoods`); most: corrections tried in the first cluster. `tried` of the result counts what all cells together could tell apart within the radius, so
-    its score is that of the best of so many.
+    `neighbourhoods`); most: corrections tried in the first cluster.
+    `tried` of the result counts what all cells together could tell apart within the radius, so its score is that of
+    the best of so many.
     """
     response = gradient * expected
     cluster = order[:FIRST]

@@ -45,7 +45,7 @@ class _Caps:
 
 @dataclass(frozen=True, eq=False)
 class _Frames:
-    """n frames: centre (n, 3), scale (n,), axes (n, 3, 3) in columns, moments (n, 3), area (n,), skewness (n, 3)."""
+    """n frames: centre (n, 3), scale (n,), axes (n, 3, 3), moments (n, 3), area (n,), skewness (n, 3)."""
 
     centre: FloatArray
     scale: FloatArray

@@ -26,8 +26,8 @@ REFINEMENTS = 3
 class Cut:
     """A planar cut.
 
-    normal: (3,) unit vector towards what is gone; centre: (3,) and spread (3, 3): mean and covariance of the border,
-    by length; length: of the border; area: that it encloses in the plane.
+    normal: (3,) unit vector towards what is gone; centre: (3,) and spread (3, 3): mean and covariance of the
+    border, by length; length: of the border; area: that it encloses in the plane.
     """
 
     normal: FloatArray

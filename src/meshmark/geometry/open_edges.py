@@ -59,7 +59,7 @@ def sample_open_edges(points: FloatArray, faces: IntArray, longest: float) -> Ed
 
 
 def open_edges(faces: IntArray, count: int) -> tuple[IntArray, IntArray, FloatArray]:
-    """Return start (e,), end (e,) and how many times more often each open edge is walked this way than the other."""
+    """Return start and end of each open edge, and how much oftener it is walked this way: (e,) each."""
     one, other = faces[:, [0, 1, 2]].ravel(), faces[:, [1, 2, 0]].ravel()
     forward = one < other
     name = np.where(forward, one * count + other, other * count + one)

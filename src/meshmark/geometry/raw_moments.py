@@ -29,7 +29,7 @@ def raw_moments(points: FloatArray, faces: IntArray) -> RawMoments:
     area, centre, second = surface_moments(points, faces, areas)
     corners = [points[faces[:, i]] for i in range(3)]
     total = corners[0] + corners[1] + corners[2]
-    # Of x y z over a triangle: area / 60 (s s s + the three orders of sum v v s + 2 sum v v v), s = sum of corners v.
+    # Over a triangle: area / 60 (s s s + the three orders of sum v v s + 2 sum v v v), s the sum of the corners v.
     third = _cubic(areas, total, total, total)
     for corner in corners:
         mixed = _cubic(areas, corner, corner, total)

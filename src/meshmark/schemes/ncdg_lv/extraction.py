@@ -92,12 +92,13 @@ def find(
     codec = Codec(key)
     surface = weld(mesh)
     best: Reading | None = None
-    tried = 0
-    for tried, reading in enumerate(readings(surface, key, codec.n, wide, spacings), 1):
+    tickets = count(1)
+    for reading in readings(surface, key, codec.n, wide, spacings):
+        next(tickets)
         best = _better(best, reading)
         if reading.log10_chance <= DECODE_LOG10 and (found := _decoded(codec, reading)):
             return found
-    for reading in _searched(surface, key, codec.n, count(tried + 1), wide, spacings, locking, reference):
+    for reading in _searched(surface, key, codec.n, tickets, wide, spacings, locking, reference):
         best = _better(best, reading)
         if found := _decoded(codec, reading):
             return found

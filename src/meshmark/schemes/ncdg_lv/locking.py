@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from itertools import islice, product
 
 import numpy as np
@@ -156,6 +157,7 @@ def _locked(
         correction = search.polished(lock).correction
         phase = bit_phase(response.cells.offset + response.gradient @ correction, keys.dither, step)
         reading = Reading.of(lattice.spacing, step, response.cells, keys, phase, charge)
+        reading = replace(reading, relief=response.relief)
         yield reading
         if reading.log10_chance + np.log10(tried) < CREDIBLE_LOG10:
             yield _again(
@@ -198,4 +200,5 @@ def _again(response: Response, lattice: Lattice, step: float, code_length: int, 
     search = LockSearch(2.0 * phase, 4.0 * np.pi / step * response.gradient, LOCK_EXPECTED, LOCK_RADIUS)
     correction = search.polished(search.rough(1)[0]).correction
     phase = bit_phase(response.cells.offset + response.gradient @ correction, keys.dither, step)
-    return Reading.of(lattice.spacing, step, response.cells, keys, phase, charge * search.tried)
+    reading = Reading.of(lattice.spacing, step, response.cells, keys, phase, charge * search.tried)
+    return replace(reading, relief=response.relief)

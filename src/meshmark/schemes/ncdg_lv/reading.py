@@ -11,12 +11,14 @@ from meshmark.carriers.cells import Cells, measure_cells
 from meshmark.carriers.lattice import CellKeys, Lattice
 from meshmark.carriers.pose import Pose
 from meshmark.carriers.quantisation import bit_phase, lock_score, log10_lock_chance, log_likelihood_ratio
+from meshmark.carriers.relief import Relief
 from meshmark.carriers.selection import select_cells
 from meshmark.coding.keys import Key
 from meshmark.geometry.frame import canonical_frame, frame_alternatives
 from meshmark.geometry.sampling import Samples, plan_samples
 from meshmark.geometry.weld import Welded
 from meshmark.mesh import FloatArray
+from meshmark.schemes.ncdg_lv.demodulator import demodulate
 from meshmark.schemes.ncdg_lv.parameters import (
     CARRIER_PLENTY,
     CARRIER_READABLE,
@@ -49,6 +51,7 @@ class Reading:
     score: float
     log10_chance: float
     hypotheses: float
+    relief: Relief | None = None
 
     @classmethod
     def of(
@@ -61,7 +64,10 @@ class Reading:
 
     def observed(self, code_length: int) -> FloatArray:
         """Return the log-likelihood ratio (code_length,) of each code bit, 0 where no cell carries it."""
-        ratio = log_likelihood_ratio(self.phase)
+        if self.relief is None:
+            ratio = log_likelihood_ratio(self.phase)
+        else:
+            ratio = demodulate(self.phase, self.cells, self.step, self.relief)
         return np.bincount(self.keys.code_index, ratio, code_length).astype(np.float64)
 
 

@@ -10,6 +10,7 @@ from meshmark.carriers.cells import Cells
 from meshmark.carriers.lattice import Lattice
 from meshmark.carriers.nodes import find_nodes
 from meshmark.carriers.pose import POSE_SIZE, Pose, pose_gradient
+from meshmark.carriers.relief import Relief, measure_relief
 from meshmark.carriers.selection import select_cells
 from meshmark.geometry.frame import Frame, canonical_frame, frame_alternatives
 from meshmark.geometry.sampling import Sampler, Samples, gathered, plan_samples
@@ -28,6 +29,7 @@ class Response:
 
     cells: Cells
     gradient: FloatArray
+    relief: Relief
 
 
 class Shapes:
@@ -93,7 +95,10 @@ class Shapes:
         change = np.array(changes).reshape(len(others), len(seen))[:, index].T
         offset = start.offset + change @ np.array(restoration.middle)
         cells = Cells(start.nodes, offset, start.normal, start.mass, start.flatness)
-        return Response(cells, np.hstack([pose_gradient(cells, lattice), change]))
+        ways = zip(restoration.middle, others, strict=True)
+        points = first + sum((share * (other - first) for share, other in ways), np.zeros_like(first))
+        relief = self._relief(first, points, lattice, self._pose(first, turned), cells)
+        return Response(cells, np.hstack([pose_gradient(cells, lattice), change]), relief)
 
     def corrected(
         self, restoration: Restoration, lattice: Lattice, turned: Frame, correction: FloatArray
@@ -105,7 +110,16 @@ class Shapes:
         pose = self._pose(points, turned).then(correction[:POSE_SIZE])
         cells = place(self.samples(points, lattice.spacing), lattice, pose)
         cells = cells.take(select_cells(cells, EXTRACT_SELECTION))
-        return Response(cells, pose_gradient(cells, lattice))
+        relief = self._relief(points, points, lattice, pose, cells)
+        return Response(cells, pose_gradient(cells, lattice), relief)
+
+    def _relief(
+        self, framed: FloatArray, points: FloatArray, lattice: Lattice, pose: Pose, cells: Cells
+    ) -> Relief:
+        """Measure the relief of points in the frame of `framed`, brought to a pose."""
+        canonical = self.frame(framed).to_canonical(points)
+        placed = pose.scale * canonical @ pose.turn + pose.shift
+        return measure_relief(lattice.coordinates(placed), self._faces, cells)
 
     def _pose(self, points: FloatArray, turned: Frame) -> Pose:
         """Return the turn from a shape's own frame to that of its alternatives which is nearest to `turned`."""
