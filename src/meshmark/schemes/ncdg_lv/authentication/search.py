@@ -24,15 +24,20 @@ __all__ = ["Setting", "all_candidates", "likeliest_setting"]
 
 # Points that are tried with every step; more where only one mark in eleven can be read, without the model's id.
 _SAMPLE, _SAMPLE_BLIND = 600, 2500
-# A ring this near (in levels) to where the level changes is tried on both sides.
-_LEVEL_DOUBT = 0.1
+# A ring this near (in levels) to where the level changes, or may change, is tried on both sides.
+_LEVEL_DOUBT = 0.05
 
 
 @dataclass(frozen=True)
 class Setting:
-    """unit: the smallest step over the spread, in scene units; layout: of the words; count: marks of the sample."""
+    """How marks were made, as a sample tells.
+
+    unit: the smallest step over the spread, in scene units; doubt: how far off it may be, in levels.
+    layout: of the words; count: marks of the sample.
+    """
 
     unit: float
+    doubt: float
     layout: Layout
     count: int
 
@@ -59,38 +64,40 @@ def likeliest_setting(
         size, found = size[found.kind == HEADER], found.take(found.kind == HEADER)
     bound = bind(found, key, nonce)
     places = np.round(found.place).astype(np.int64)
-    best = None
+    best: Setting | None = None
     for layout in LAYOUTS.values():
         _, holds = symbols_at(places, found.rim, bound, layout)
-        start, count = _densest(np.sort(size[holds]))
-        if best is None or count > best[2]:
-            best = (start, layout, count)
-    if best is None or best[2] == 0:
-        return None
-    return Setting(2.0 ** (best[0] / 2.0), best[1], best[2])
+        start, doubt, count = _densest(np.sort(size[holds]))
+        if best is None or count > best.count:
+            best = Setting(2.0 ** (start / 2.0), doubt, layout, count)
+    return best if best is not None and best.count else None
 
 
-def _densest(values: FloatArray) -> tuple[float, int]:
-    """Return the start of the interval of length 1 that holds most of the sorted values, and how many."""
+def _densest(values: FloatArray) -> tuple[float, float, int]:
+    """Return start, its uncertainty, and count of the interval of length 1 that holds most of the sorted values.
+
+    The interval may start anywhere between its last value less 1 and its first.
+    """
     if not len(values):
-        return 0.0, 0
+        return 0.0, 0.0, 0
     counts = np.searchsorted(values, values + 1.0) - np.arange(len(values))
     best = int(counts.argmax())
-    # The interval may start anywhere between its last value less 1 and its first.
-    return float((values[best] + values[best + counts[best] - 1] - 1.0) / 2.0), int(counts[best])
+    latest, earliest = values[best], values[best + counts[best] - 1] - 1.0
+    return float(latest + earliest) / 2.0, float(latest - earliest) / 2.0, int(counts[best])
 
 
 def all_candidates(
-    points: FloatArray, rings: Rings, shapes: RingShapes, unit: float, subkey: bytes
+    points: FloatArray, rings: Rings, shapes: RingShapes, setting: Setting, subkey: bytes
 ) -> Candidates:
-    """Return every candidate of rings for marks of this unit, on both levels near where it changes."""
-    exact = level_of(shapes, unit)
+    """Return every candidate of rings for marks of this setting, on both levels near where it changes."""
+    exact = level_of(shapes, setting.unit)
+    doubt = setting.doubt + _LEVEL_DOUBT
     level = np.floor(exact).astype(np.int64)
     parts = []
     for change, doubtful in (
         (0, np.ones(len(exact), bool)),
-        (-1, exact - level < _LEVEL_DOUBT),
-        (1, exact - level > 1.0 - _LEVEL_DOUBT),
+        (-1, exact - level < doubt),
+        (1, exact - level > 1.0 - doubt),
     ):
         rows = np.flatnonzero(doubtful & (level + change >= LEVELS[0]) & (level + change <= LEVELS[-1]))
         parts.append(
