@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from pathlib import Path
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 
@@ -23,6 +25,9 @@ from meshmark.schemes.scheme import Bits, Readout, Scheme
 
 __all__ = ["judge"]
 
+# Cases of a model follow each other.
+_KEPT = 2
+
 
 def judge(data: Path, out: Path, case: Case) -> Outcome:
     """Attack and read; raises what the attack or the scheme raises.
@@ -41,8 +46,9 @@ def judge(data: Path, out: Path, case: Case) -> Outcome:
     attack_seconds = perf_counter() - start
 
     key = key_of(main) if case.trial != "wrong key" else _stranger(case, "wrong key")
+    reference = None if scheme.blind else _reference(data, out, main, main in held)
     start = perf_counter()
-    readout = scheme.extract(attacked, key, reference=None if scheme.blind else whole)
+    readout = scheme.extract(attacked, key, reference=reference)
     seconds = perf_counter() - start
     truths = {payload_of(mark, scheme.bits).tobytes(): mark for mark in marks or [main]}
     figures = _figures(readout, [np.frombuffer(bits, np.uint8) for bits in truths], scheme, key)
@@ -52,6 +58,14 @@ def judge(data: Path, out: Path, case: Case) -> Outcome:
         "vertices_per_second": len(attacked.vertices) / seconds,
     }
     return Outcome("ok", figures={**figures, **times})
+
+
+@lru_cache(maxsize=_KEPT)
+def _reference(data: Path, out: Path, mark: Mark, marked: bool) -> Any:
+    """Return what the owner has kept, of the marked model where there is one, else the original."""
+    whole = original(data, mark.owner)
+    kept = getattr(SCHEMES[mark.scheme], "kept", None)
+    return whole if kept is None else kept(load_mark(out, mark) if marked else whole, key_of(mark))
 
 
 def _given(case: Case, held: dict[Mark, Mesh], scheme: Scheme) -> Given:

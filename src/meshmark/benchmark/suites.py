@@ -84,6 +84,17 @@ SUITES: dict[str, Suite] = {
             Part(("none",), "unmarked"),
         ),
     ),
+    "ownership": Suite(
+        "what the mark must survive, at the standard strength",
+        ("standard",),
+        (
+            Part(
+                (*_HARMLESS, *_FILES, *_NOISE, *_SMOOTHING, *_QUANTISATION, *_SURFACE, *_CROP, "affine:0.02")
+            ),
+            Part(("none",), "wrong key"),
+            Part(("none",), "unmarked"),
+        ),
+    ),
     "security": Suite(
         "what must not be found, and attacks on the use of marks",
         ("standard",),

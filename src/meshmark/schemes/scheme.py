@@ -9,7 +9,7 @@ A scheme of your own is one class with these attributes and methods, registered 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Protocol, runtime_checkable
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,6 +46,8 @@ class Scheme(Protocol):
     title: name for people; source: where it was published; bits: number of payload bits; blind: whether
     `extract` works without the original (where it does not, it is given one).
 
+    A scheme that is not blind may have `kept(marked, key)`, what an owner keeps of a marked mesh: `extract` is then
+    given that as its reference instead of the original.
     A scheme whose readouts have `raw` also has `code(bits, key)`, the code bits (c,) that stand for a payload.
     """
 
@@ -62,6 +64,6 @@ class Scheme(Protocol):
         """
         ...
 
-    def extract(self, mesh: Mesh, key: Key, *, reference: Mesh | None = None) -> Readout:
-        """Read the bits; `reference` is the unmarked original where the judge hands it out."""
+    def extract(self, mesh: Mesh, key: Key, *, reference: Any = None) -> Readout:
+        """Read the bits; `reference` is the unmarked original, or what was kept, for a scheme that is not blind."""
         ...

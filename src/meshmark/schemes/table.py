@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from importlib.metadata import EntryPoint, entry_points
 
 from meshmark.errors import InputError
-from meshmark.schemes.ncdg_lv.scheme import NcdgLv
+from meshmark.schemes.ncdg_lv.scheme import NcdgLv, NcdgLvCertificate, NcdgLvOriginal
 from meshmark.schemes.scheme import Scheme
 
 __all__ = ["ENTRY_POINTS", "SCHEMES", "Schemes"]
@@ -16,6 +16,8 @@ ENTRY_POINTS = "meshmark.schemes"
 
 OWN: dict[str, Callable[[], Scheme]] = {
     "ncdg_lv": NcdgLv,
+    "ncdg_lv_certificate": NcdgLvCertificate,
+    "ncdg_lv_original": NcdgLvOriginal,
 }
 
 

@@ -9,12 +9,13 @@ from meshmark.coding.keys import Key
 from meshmark.coding.message import ID_BITS
 from meshmark.errors import InputError
 from meshmark.mesh import Mesh
+from meshmark.schemes.ncdg_lv.certificate import Certificate, certify
 from meshmark.schemes.ncdg_lv.embedding import embed
 from meshmark.schemes.ncdg_lv.extraction import find
 from meshmark.schemes.ncdg_lv.threads import on_one_thread
 from meshmark.schemes.scheme import Bits, Readout
 
-__all__ = ["NcdgLv"]
+__all__ = ["NcdgLv", "NcdgLvCertificate", "NcdgLvOriginal"]
 
 
 class NcdgLv:
@@ -30,10 +31,9 @@ class NcdgLv:
         return embed(mesh, key, id=_to_id(bits), strength=strength).mesh
 
     @on_one_thread
-    def extract(self, mesh: Mesh, key: Key, *, reference: Mesh | None = None) -> Readout:
+    def extract(self, mesh: Mesh, key: Key, *, reference: Mesh | Certificate | None = None) -> Readout:
         """See `Scheme.extract`; blind, the reference is not looked at."""
-        del reference
-        found = find(mesh, key)
+        found = find(mesh, key, reference=None if self.blind else reference)
         if found.reading is None:
             return Readout(_to_bits(0), False, 0.0, np.zeros(Codec(key).n))
         observed = found.reading.observed(Codec(key).n)
@@ -43,6 +43,28 @@ class NcdgLv:
     def code(self, bits: Bits, key: Key) -> Bits:
         """Return the code bits (4096,) that stand for a payload (64,)."""
         return Codec(key).encode(_to_id(bits))
+
+
+class NcdgLvOriginal(NcdgLv):
+    """The same mark, read by an owner who has kept the unmarked original."""
+
+    title = "NCDG-LV with the original"
+    source = "NCDG-LV, ownership layer (DESIGN section 6)"
+    blind = False
+
+
+class NcdgLvCertificate(NcdgLvOriginal):
+    """The same mark, read by an owner who has kept the certificate."""
+
+    title = "NCDG-LV with the certificate"
+
+    @on_one_thread
+    def kept(self, marked: Mesh, key: Key) -> Certificate:
+        """Return the certificate of a marked model, its lattice being the one it is read with."""
+        reading = find(marked, key, locking=False).reading
+        if reading is None:
+            raise InputError("the marked model has too few carriers to certify")
+        return certify(marked, reading.spacing, reading.step, "standard")
 
 
 def _to_id(bits: Bits) -> int:
