@@ -68,7 +68,9 @@ def test_a_miniature_needs_some_bytes():
         miniature(*pebble(24), 10)
 
 
-@pytest.mark.parametrize("content", [b"", b"\x00abc", b"\x07", b"\x07" + bytes(50), bytes([7]) + b"\xff" * 400])
+@pytest.mark.parametrize(
+    "content", [b"", b"\x00abc", b"\x07", b"\x07" + bytes(50), bytes([7]) + b"\xff" * 400]
+)
 def test_other_bytes_are_no_miniature(content):
     with pytest.raises(InputError):
         read_miniature(content)
