@@ -12,6 +12,7 @@ from PIL import Image
 
 import meshmark as mm
 from meshmark.cli.demo import NOISE, SCALE, travelled
+from meshmark.cli.demo_damage import PUSH, bent
 
 
 @pytest.fixture(scope="module")
@@ -24,14 +25,21 @@ def test_the_id_comes_back_from_the_changed_copy(cli, folder):
     assert ran.code == 0, ran
     assert ran.err == ""
     names = {"demo.key", "original.ply", "marked.ply", "changed.glb", "demo.png"}
+    names |= {"half.ply", "demo.cert", "edited.ply", "recovered.ply", "report.html"}
     assert {path.name for path in folder.iterdir()} == names
     secret = (folder / "demo.key").read_text().splitlines()[1]
     assert secret not in ran.out
     (identity,) = set(re.findall(r"\bid ([0-9a-f]{16})\b", ran.out))
     found = mm.extract(mm.read_mesh(folder / "changed.glb"), mm.Key.load(folder / "demo.key"))
     assert f"{found.id:016x}" == identity
+    assert "in the half" in ran.out
+    assert len(re.findall(r"present, id", ran.out)) == 2
+    assert "with the key alone: altered" in ran.out
+    before, after = map(float, re.search(r"was ([\d.]+) % .* now ([\d.]+) %", ran.out).groups())
+    assert after < before / 4
     with Image.open(folder / "demo.png") as picture:
         assert picture.width == 4 * 640
+        assert picture.height > 2 * 640
 
 
 def test_another_model_and_a_second_time_in_the_same_folder(cli, folder, tmp_path):
@@ -60,13 +68,27 @@ def test_travelled_is_a_similarity_with_noise_of_the_stated_size_and_keeps_coinc
 
 @pytest.mark.parametrize(("presence", "code"), [("absent", 1), ("inconclusive", 3), ("present", 1)])
 def test_the_demo_fails_where_the_id_does_not_come_back(cli, folder, monkeypatch, presence, code):
+    import meshmark.cli.demo as program
     import meshmark.report.demo as drawing
     import meshmark.schemes.ncdg_lv as scheme
 
     monkeypatch.setattr(drawing, "demo_picture", lambda *_: None)
+    monkeypatch.setattr(program, "damage", lambda *_: [])
     true = scheme.extract(mm.read_mesh(folder / "changed.glb"), mm.Key.load(folder / "demo.key"))
     wrong = replace(true, presence=presence, id=1 if presence == "present" else None)
     monkeypatch.setattr(scheme, "extract", lambda *_, **__: wrong)
     ran = cli("demo", "--out", folder)
     assert ran.code == code
     assert "did not come back" in ran.out
+
+
+def test_bent_moves_the_top_only_and_keeps_coincident_vertices():
+    random = np.random.default_rng(2)
+    points = random.normal(size=(400, 3)) * [1.0, 3.0, 1.0]
+    mesh = mm.Mesh(np.concatenate([points, points[:50]]), [[0, 1, 2]])
+    shift = bent(mesh) - mesh.vertices
+    assert np.array_equal(shift[:50], shift[400:])
+    length = np.linalg.norm(shift, axis=1)
+    diagonal = np.linalg.norm(np.ptp(points, axis=0))
+    assert length.max() == pytest.approx(PUSH * diagonal)
+    assert 0 < (length > 0).mean() < 0.3

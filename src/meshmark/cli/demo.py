@@ -10,14 +10,16 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from meshmark.cli.demo_damage import damage
 from meshmark.cli.extract import EXIT_CODES
-from meshmark.cli.output import answer, percent, plural
+from meshmark.cli.output import answer, percent, plural, say
 from meshmark.cli.paths import make_folder
 from meshmark.cli.progress import progress
 
 if TYPE_CHECKING:
     from meshmark.coding.keys import Key
     from meshmark.mesh import Mesh
+    from meshmark.schemes.ncdg_lv import Embedding
 
 __all__ = ["demo", "travelled"]
 
@@ -37,8 +39,9 @@ def demo(
 ) -> int:
     """Show the whole way on one model.
 
-    Mark it; turn, resize, move and roughen it; save it in another format; and read the id back.
-    Leaves the key, the models and a picture in DIR. Exit code 0: the id came back.
+    Mark it; turn, resize, move and roughen it; save it in another format; and read the id back. Saw it in half and
+    read the id with its certificate. Edit it, find what was altered, and bring that back.
+    Leaves the key, the models, a page and a picture in DIR. Exit code 0: the id came back.
     """
     from meshmark.coding.keys import Key
     from meshmark.coding.message import format_id
@@ -63,7 +66,7 @@ def demo(
     identity = format_id(embedded.id)
     steps.done(
         "Marked",
-        f"{marked}: id {identity} in {embedded.carriers} places; moved "
+        f"{marked}: id {identity} in {embedded.carriers} places{_upper(embedded)}; moved "
         f"{percent(embedded.rms_over_diagonal)} of the diagonal RMS; read back and verified",
     )
 
@@ -84,12 +87,22 @@ def demo(
         stranger = extract(suspect, Key.generate())
     steps.done("Read", f"with another key: {stranger.presence}")
 
+    for remark in embedded.remarks:
+        say(f"meshmark: {remark}")
+    more = damage(marked, embedded, key, out, steps.done)
     picture = out / "demo.png"
     with progress("drawing"):
-        demo_picture(mesh, embedded.mesh, away, picture)
-    steps.done("Picture", f"{picture}: original, marked, what moved, changed")
+        demo_picture(mesh, embedded.mesh, away, picture, more)
+    steps.done("Picture", f"{picture}: all of these")
     answer("The id came back." if back else "The id did not come back.", {}, as_json=False)
     return 0 if back else EXIT_CODES[found.presence] or EXIT_CODES["absent"]
+
+
+def _upper(embedded: Embedding) -> str:
+    if not embedded.mark_vertices:
+        return ""
+    payload = plural(embedded.payload_bytes, "byte")
+    return f", {plural(embedded.mark_vertices, 'mark')} of authentication, a payload of {payload}"
 
 
 class _Steps:

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from meshmark.schemes.ncdg_lv.authentication.regions import Region
     from meshmark.schemes.ncdg_lv.authentication.verdict import Authentication
 
-__all__ = ["authentication_page", "write_authentication_page"]
+__all__ = ["altered_colours", "authentication_page", "write_authentication_page"]
 
 SIZE = 640
 RED = np.array([0.62, 0.012, 0.012])
@@ -91,10 +91,15 @@ def _facts(mesh: Mesh, found: Authentication) -> str:
     return "<dl>" + "".join(f"<dt>{name}</dt><dd>{_prose(text)}</dd>" for name, text in rows) + "</dl>"
 
 
+def altered_colours(altered: NDArray[np.bool_]) -> FloatArray:
+    """Return (n, 3) linear RGB: red for what is altered, clay for the rest."""
+    return np.where(altered[:, None], RED, CLAY)
+
+
 def _views(welded: Welded, found: Authentication) -> str:
     altered = found.altered[welded.vertex_of_point]
     region = found.region[welded.vertex_of_point]
-    colours = np.where(altered[:, None], RED, CLAY)
+    colours = altered_colours(altered)
     front = three_quarter_view(welded.points)
     back = from_behind(front)
     plain = Panel("", welded.points, welded.faces, colours)

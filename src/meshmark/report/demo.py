@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -11,18 +12,26 @@ from meshmark.mesh import FloatArray, Mesh
 from meshmark.report.colours import heat, to_linear
 from meshmark.report.picture import Panel, panels
 
-__all__ = ["demo_picture"]
+__all__ = ["demo_picture", "vertex_colours"]
 
 
-def demo_picture(original: Mesh, marked: Mesh, changed: Mesh, path: Path | str, *, size: int = 640) -> None:
-    """Save a PNG: original, marked, how far each point moved as colour, and the changed copy.
+def demo_picture(
+    original: Mesh,
+    marked: Mesh,
+    changed: Mesh,
+    path: Path | str,
+    more: Sequence[Panel] = (),
+    *,
+    size: int = 640,
+) -> None:
+    """Save a PNG: original, marked, how far each point moved as colour, the changed copy, and a row with `more`.
 
     The three meshes have the same vertices in the same order. Raises `OutputError` where the file cannot
     be written.
     """
     welded = weld(original)
     at, faces = welded.vertex_of_point, welded.faces
-    colours = _colours(original)
+    colours = vertex_colours(original)
     shades = None if colours is None else colours[at]
     moved = np.linalg.norm(marked.vertices - original.vertices, axis=1)[at]
     largest = float(moved.max(initial=0.0)) or 1.0
@@ -38,10 +47,10 @@ def demo_picture(original: Mesh, marked: Mesh, changed: Mesh, path: Path | str, 
         ),
         Panel("turned, resized, moved, noised", changed.vertices[at], faces, shades),
     )
-    panels(shown, path, size=size)
+    panels((*shown, *more), path, size=size, columns=len(shown))
 
 
-def _colours(mesh: Mesh) -> FloatArray | None:
+def vertex_colours(mesh: Mesh) -> FloatArray | None:
     """Return (n, 3) linear RGB where the file has one colour for each vertex, else None."""
     attributes = None if mesh.document is None else mesh.document.attributes()
     if attributes is None or attributes.colors is None or len(attributes.colors) != len(mesh.vertices):

@@ -53,8 +53,11 @@ def panels(
     size: int = 900,
     view: FloatArray | None = None,
     bar: str = "",
+    columns: int | None = None,
 ) -> None:
     """Draw `shown` side by side, each `size` pixels square, and save the PNG.
+
+    columns: of a row, all in one row if None.
 
     view: rotation (3, 3) for all panels, rows right, up, towards the viewer; by default a three-quarter view
           of the first panel's model, so that a turned copy beside it is seen turned.
@@ -64,14 +67,17 @@ def panels(
     """
     turn = three_quarter_view(shown[0].points) if view is None else view
     strip = max(40, size // 15)
-    sheet = Image.new("RGB", (size * len(shown), size + strip * (2 if bar else 1)), "white")
+    across = len(shown) if columns is None else min(columns, len(shown))
+    rows, row = -(-len(shown) // across), size + strip
+    sheet = Image.new("RGB", (size * across, row * rows + (strip if bar else 0)), "white")
     draw = ImageDraw.Draw(sheet)
     font = ImageFont.load_default(size=max(14, size // 38))
     for i, panel in enumerate(shown):
-        sheet.paste(Image.fromarray(render(panel, size, turn)), (i * size, 0))
-        draw.text(((i + 0.5) * size, size + strip / 2), panel.caption, INK, font, "mm")
+        left, top = i % across * size, i // across * row
+        sheet.paste(Image.fromarray(render(panel, size, turn)), (left, top))
+        draw.text((left + size / 2, top + size + strip / 2), panel.caption, INK, font, "mm")
     if bar:
-        _draw_bar(sheet, draw, font, bar, size + strip, strip)
+        _draw_bar(sheet, draw, font, bar, row * rows, strip)
     packed = io.BytesIO()
     sheet.save(packed, "PNG")
     write_whole(path, packed.getvalue())

@@ -1,0 +1,117 @@
+"""The second act of `meshmark demo`: the marked model is sawn in half and edited, and tells of both."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from meshmark.cli.output import percent, plural
+from meshmark.cli.progress import progress
+
+if TYPE_CHECKING:
+    from meshmark.coding.keys import Key
+    from meshmark.mesh import FloatArray, Mesh
+    from meshmark.report.picture import Panel
+    from meshmark.schemes.ncdg_lv import Embedding
+
+__all__ = ["bent", "damage"]
+
+# The top of the model is pushed aside by this share of the diagonal, within that share of the diagonal around it.
+PUSH, REACH = 0.06, 0.22
+_SEED = 3
+
+Done = Callable[[str, str], None]
+
+
+def damage(marked: Path, embedded: Embedding, key: Key, out: Path, done: Done) -> list[Panel]:
+    """Saw, read, edit, check and bring back; return what to draw of it.
+
+    marked: the file that `embedded` tells of; done: takes a word and a line for each step.
+    """
+    import numpy as np
+
+    from meshmark.attacks import ATTACKS
+    from meshmark.io import read_mesh, write_mesh
+    from meshmark.report.demo import vertex_colours
+    from meshmark.report.picture import Panel
+
+    mesh = read_mesh(marked)
+    sawn = ATTACKS["crop"].apply(mesh, 0.5, np.random.default_rng(_SEED))
+    half, colours = sawn.mesh, vertex_colours(mesh)
+    write_mesh(half, out / "half.ply")
+    done("Sawn", f"{out / 'half.ply'}: one half, {plural(len(half.vertices), 'vertex/vertices')}")
+    _read_half(half, embedded, key, out, done)
+    colours = None if colours is None or sawn.origin is None else colours[sawn.origin]
+    shown = [Panel("sawn in half", half.vertices, half.faces, colours)]
+    return shown + (_edit(marked, mesh, key, done) if embedded.mark_vertices else [])
+
+
+def _read_half(half: Mesh, embedded: Embedding, key: Key, out: Path, done: Done) -> None:
+    from meshmark.coding.message import format_id
+    from meshmark.schemes.ncdg_lv import extract
+
+    embedded.certificate.save(out / "demo.cert")
+    with progress("looking for the mark"):
+        found = extract(half, key, reference=embedded.certificate)
+    identity = "" if found.id is None else f", id {format_id(found.id)}"
+    done("Read", f"in the half, with {out / 'demo.cert'}: {found.presence}{identity}")
+
+
+def _edit(marked: Path, mesh: Mesh, key: Key, done: Done) -> list[Panel]:
+    from meshmark.io import read_mesh, write_mesh
+    from meshmark.report.authentication import altered_colours, write_authentication_page
+    from meshmark.report.demo import vertex_colours
+    from meshmark.report.picture import Panel
+    from meshmark.schemes.ncdg_lv import authenticate, recover
+
+    edited = marked.with_name(marked.name.replace("marked", "edited", 1))
+    write_mesh(mesh.with_vertices(bent(mesh)), edited)
+    done("Edited", f"{edited}: its top bent")
+    suspect = read_mesh(edited)
+    with progress("checking the marks"):
+        found = authenticate(suspect, key)
+    page = marked.with_name("report.html")
+    write_authentication_page(suspect, found, edited.name, page)
+    done("Checked", f"with the key alone: {found.verdict}; {found.advice} {page}")
+    with progress("recovering"):
+        whole = recover(suspect, key)
+    shown = [
+        Panel("its top bent", suspect.vertices, suspect.faces, vertex_colours(suspect)),
+        Panel("what was altered", suspect.vertices, suspect.faces, altered_colours(found.altered)),
+    ]
+    if whole.mesh is None:
+        done("Recover", whole.advice)
+        return shown
+    back = marked.with_name(marked.name.replace("marked", "recovered", 1))
+    write_mesh(whole.mesh, back)
+    done("Recover", f"{back}: {_how_far(mesh, suspect, whole.mesh)}")
+    return [*shown, Panel("recovered", whole.mesh.vertices, whole.mesh.faces, vertex_colours(whole.mesh))]
+
+
+def _how_far(marked: Mesh, edited: Mesh, back: Mesh) -> str:
+    import numpy as np
+
+    if back.vertices.shape != marked.vertices.shape:
+        return "the altered part is cut out and replaced"
+    touched = (edited.vertices != marked.vertices).any(axis=1)
+    diagonal = np.linalg.norm(np.ptp(marked.vertices, axis=0))
+    before, after = (
+        float(np.sqrt(((mesh.vertices - marked.vertices)[touched] ** 2).sum(axis=1).mean()) / diagonal)
+        for mesh in (edited, back)
+    )
+    return f"the altered part was {percent(before)} of the diagonal off RMS, now {percent(after)}"
+
+
+def bent(mesh: Mesh) -> FloatArray:
+    """Return (n, 3): the vertices with the top of the model, as pictures show it, pushed smoothly aside."""
+    import numpy as np
+
+    from meshmark.report.view import three_quarter_view
+
+    view = three_quarter_view(mesh.vertices)
+    diagonal = float(np.linalg.norm(np.ptp(mesh.vertices, axis=0)))
+    top = mesh.vertices[(mesh.vertices @ view[1]).argmax()]
+    near = np.clip(1.0 - np.linalg.norm(mesh.vertices - top, axis=1) / (REACH * diagonal), 0.0, 1.0)
+    push = (near**2 * (3.0 - 2.0 * near))[:, None] * PUSH * diagonal
+    return np.asarray(np.where(near[:, None] > 0.0, mesh.vertices + push * view[0], mesh.vertices))
