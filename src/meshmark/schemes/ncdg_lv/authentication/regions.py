@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
-from scipy.stats import binom
+from scipy.special import bdtrc
 
 from meshmark.geometry.adjacency import adjacency, unique_edges
 from meshmark.mesh import FloatArray, IntArray
@@ -65,7 +65,7 @@ def judge_regions(
     for half in (regions.green, ~regions.green):
         n = np.bincount(at[checked & half], minlength=count) / _TOGETHER
         f = np.bincount(at[checked & altered & half], minlength=count) / _TOGETHER
-        chance = np.minimum(chance, 2.0 * binom.sf(np.ceil(f) - 1.0, np.ceil(n), _SPILL))
+        chance = np.minimum(chance, 2.0 * _tail(np.ceil(f), np.ceil(n)))
     called = chance < _ERROR
     called[_homes(faces, at, altered)] = True
     weight = np.bincount(at, areas, count)
@@ -82,6 +82,11 @@ def judge_regions(
         )
         for i in range(count)
     )
+
+
+def _tail(failed: FloatArray, checks: FloatArray) -> FloatArray:
+    """Return the chance (k,) of at least so many failures in so many checks of an intact region."""
+    return np.asarray(np.where(failed > 0.0, bdtrc(np.maximum(failed, 1.0) - 1.0, checks, _SPILL), 1.0))
 
 
 def _homes(faces: IntArray, region: IntArray, altered: NDArray[np.bool_]) -> IntArray:
