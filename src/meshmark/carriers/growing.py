@@ -17,9 +17,9 @@ __all__ = ["grown", "neighbourhoods"]
 # Cells in the first cluster, and by how much the next is larger.
 FIRST, GROWTH = 45, 2.2
 # Corrections tried at most in the first cluster and in the others.
-MOST_FIRST, MOST_NEXT = 200_000, 4_000
+MOST_FIRST, MOST_NEXT = 400_000, 4_000
 # So many corrections of the first cluster are followed, where they stand out by so many standard deviations.
-KEPT, STANDS_OUT = 6, 5.5
+KEPT, STANDS_OUT = 5, 5.5
 # Clusters are tried around so many places.
 PLACES = 40
 RADIUS, NEXT_RADIUS = 2.5, 3.0

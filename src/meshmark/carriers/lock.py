@@ -27,7 +27,7 @@ __all__ = ["Lock", "LockSearch", "grid_size"]
 GRID = 1.3
 # Grid points at most, where the caller does not say.
 MOST = 12_000
-ROWS, COLUMNS = 512, 4096
+ROWS, COLUMNS = 128, 8192
 ROUNDING = 1e-9
 POLISH_STEPS = 8
 # To bound the chance of a maximum that was polished, the ball is thought of as covered by a grid finer by this in
@@ -176,18 +176,22 @@ def _best_places(grid: _Grid, psi: FloatArray, keep: int) -> list[FloatArray]:
     """Return the places (d,) of the best scores, each score less the square of its distance."""
     one, two = grid.halves
     start = one.waves * np.exp(1j * psi).astype(np.complex64)
-    rows = np.hstack([start.real, -start.imag])
-    columns = np.ascontiguousarray(np.hstack([two.waves.real, two.waves.imag]).T)
+    # Squared distances from 0 are taken off within the product, by two more columns.
+    near, far = np.float32(one.distances[:, None] ** 2), np.float32(two.distances[:, None] ** 2)
+    rows = np.hstack([start.real, -start.imag, -near, -np.ones_like(near)])
+    columns = np.ascontiguousarray(np.hstack([two.waves.real, two.waves.imag, np.ones_like(far), far]).T)
     ends = np.searchsorted(two.distances, _leg(grid.radius, one.distances), side="right")
     found: list[tuple[float, int, int]] = []
     for i in range(0, len(rows), ROWS):
-        for j in range(0, int(ends[i]), COLUMNS):
-            ahead = slice(j, min(j + COLUMNS, int(ends[i])))
-            worth = rows[i : i + ROWS] @ columns[:, ahead]
-            far = (one.distances[i : i + ROWS] ** 2)[:, None] + two.distances[ahead] ** 2
-            worth = np.where(far <= grid.radius**2 * (1.0 + ROUNDING), worth - far, -np.inf)
+        within = ends[i : i + ROWS]
+        for j in range(0, int(within[0]), COLUMNS):
+            ahead = np.arange(j, min(j + COLUMNS, int(within[0])))
+            worth = rows[i : i + ROWS] @ columns[:, j : j + len(ahead)]
+            if ahead[-1] >= within[-1]:  # some rows end before
+                worth[ahead >= within[:, None]] = -np.inf
             best = worth.argmax(axis=1)  # neighbours of a peak climb the same one: one for each row is enough
-            found += [(float(worth[a, b]), i + a, j + int(b)) for a, b in enumerate(best)]
+            top = worth[np.arange(len(best)), best]
+            found += zip(top.tolist(), range(i, i + len(best)), (j + best).tolist(), strict=True)
         found = sorted(found, reverse=True)[:keep]
     return [one.places[a] + two.places[b] for _, a, b in found]
 

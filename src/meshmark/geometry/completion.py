@@ -10,7 +10,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from meshmark.geometry.cut import Cut, find_cut
 from meshmark.geometry.frame import Frame
@@ -32,6 +31,8 @@ SIDE, TOP = 0.6, 0.8
 LARGEST = 1.0
 # The turn of axes counts by how far it moves the surface: two thirds of the squared angle.
 TURN = 0.67
+# So many times the frames asked for are ranked.
+RANKED = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,15 +147,15 @@ def _frames(left: RawMoments, caps: _Caps) -> _Frames:
 
 def _thinned(frames: _Frames, apart: float, most: int) -> IntArray:
     """Return frames at least so far from each other that stand for the most others, those first."""
-    left: NDArray[np.bool_] = np.ones(len(frames.scale), dtype=bool)
+    left = np.arange(len(frames.scale))
     kept: list[tuple[int, int]] = []
-    flat = frames.axes.reshape(-1, 9)
-    for i in range(len(left)):
-        if not left[i]:
-            continue
-        shift = ((frames.centre - frames.centre[i]) ** 2).sum(axis=1) / frames.scale[i] ** 2
-        turn = np.maximum(3.0 - flat @ flat[i], 0.0)
-        near = left & (shift + np.log(frames.scale / frames.scale[i]) ** 2 + TURN * turn < apart**2)
-        left &= ~near
-        kept.append((-int(near.sum()), i))
+    # Dense places are met early: after many kept, the next would stand for few.
+    while len(left) and len(kept) < RANKED * most:
+        i = int(left[0])
+        shift = ((frames.centre[left] - frames.centre[i]) ** 2).sum(axis=1) / frames.scale[i] ** 2
+        turn = np.maximum(3.0 - frames.axes[left].reshape(-1, 9) @ frames.axes[i].ravel(), 0.0)
+        away = shift + np.log(frames.scale[left] / frames.scale[i]) ** 2 + TURN * turn >= apart**2
+        away[0] = False
+        kept.append((int(away.sum()) - len(left), i))
+        left = left[away]
     return np.array([i for _, i in sorted(kept)[:most]], dtype=np.int64)
