@@ -44,14 +44,14 @@ class Cut:
 
 def find_cut(points: FloatArray, faces: IntArray) -> Cut | None:
     """Return the plane with the longest border along it and the whole surface on one side, or None."""
-    start, end, _ = open_edges(faces, len(points))
+    start, end, way = open_edges(faces, len(points))
     if len(start) < FEWEST_EDGES:
         return None
     one, other = points[start], points[end]
     length = np.sqrt(((other - one) ** 2).sum(axis=1))
     edge = float(np.median(np.sqrt(((points[faces[:, 0]] - points[faces[:, 1]]) ** 2).sum(axis=1))))
     middle = (one + other) / 2.0
-    found = _best_plane(points, middle, length, edge)
+    found = _best_plane(points[np.unique(faces)], middle, length, edge)
     if found is None:
         return None
     normal, centre = found
@@ -63,7 +63,8 @@ def find_cut(points: FloatArray, faces: IntArray) -> Cut | None:
         spread = (arm * weight[:, None]).T @ arm
         flattest = np.linalg.eigh(spread)[1][:, 0]
         normal = flattest if flattest @ normal > 0.0 else -flattest
-    area = 0.5 * float(np.linalg.norm(np.cross(one[near] - centre, other[near] - centre).sum(axis=0)))
+    turns = np.sign(way[near, None]) * np.cross(one[near] - centre, other[near] - centre)
+    area = 0.5 * float(np.linalg.norm(turns.sum(axis=0)))
     return Cut(normal, centre, spread, float(length[near].sum()), area)
 
 
