@@ -15,6 +15,8 @@ MEASUREMENTS = (
     "code",
     "demodulator",
     "metrics_validation",
+    "marks",
+    "recovery",
 )
 
 

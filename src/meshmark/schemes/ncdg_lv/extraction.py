@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import count
 from math import log, log10
 from time import perf_counter
@@ -82,10 +82,9 @@ def find(
 ) -> Found:
     """Return the first reading that decodes, else the one with the best lock.
 
-    First the surface is read as it stands; readings whose lock stands out are decoded. Then, where a reference says
-    and, with `locking`, in frames of its own, every restoration of its shape is read, its frame corrected, and
-    decoded whatever its lock; last, before a small
-    stretch, and a surface with a planar cut in the frames it may have had before that.
+    First the surface is read as it stands; readings whose lock stands out are decoded. Then it is read where a
+    reference says, its frame corrected, and decoded whatever its lock. With `locking` follow its mirror image,
+    every restoration of its shape, and what it was before a small stretch or a planar cut.
     Neither choice depends on the message. The false-positive bound is the chance of the lock times that of the
     decoded word, times the hypotheses.
     """
@@ -93,8 +92,7 @@ def find(
     surface = weld(mesh)
     best: Reading | None = None
     tickets = count(1)
-    for reading in readings(surface, key, codec.n, wide, spacings):
-        next(tickets)
+    for reading in readings(surface, key, codec.n, tickets, wide, spacings):
         best = _better(best, reading)
         if reading.log10_chance <= DECODE_LOG10 and (found := _decoded(codec, reading)):
             return found
@@ -125,9 +123,15 @@ def _searched(
         step = (reference.step,) if isinstance(reference, Certificate) else None
         yield from registered_readings(surface, key, code_length, tickets, frames, spacing, step)
     if locking:
+        for reading in readings(_mirrored(surface), key, code_length, tickets, wide, spacings):
+            yield replace(reading, mirrored=True)
         yield from locked_readings(surface, key, code_length, tickets, wide, spacings)
         yield from stretched_readings(surface, key, code_length, tickets, wide, spacings)
         yield from cropped_readings(surface, surface.points, key, code_length, tickets, wide, spacings)
+
+
+def _mirrored(surface: Welded) -> Welded:
+    return replace(surface, points=surface.points * [-1.0, 1.0, 1.0], faces=surface.faces[:, ::-1])
 
 
 def _better(one: Reading | None, other: Reading) -> Reading:
@@ -174,12 +178,18 @@ def _result(found: Found, codec: Codec, mode: str, seconds: float) -> Extraction
         bits = codec.encode(found.decoded.guess)[reading.keys.code_index]
         agreeing = int(((np.cos(reading.phase) < 0.0) == (bits == 1)).sum())
         agreeing = max(agreeing, count - agreeing)
-        advice = "The mark was read."
+        advice = (
+            "The mark was read in the mirror image of the model."
+            if reading.mirrored
+            else "The mark was read."
+        )
         if agreeing < 0.7 * count:
             advice = f"The mark was read, though only {agreeing} of its {count} places still agree."
         identity = found.decoded.id
         return Extraction("present", identity, bound, mode, count, agreeing, lock, advice, seconds)
     presence, advice = "absent", "No mark of this key was found."
+    if mode == "blind":
+        advice += " Of a part or a badly damaged copy the certificate or the original tells more."
     if found.present:
         presence, advice = "present", "A mark of this key is there, but too damaged to read its id."
     return Extraction(presence, None, bound, mode, count, 0, lock, advice, seconds)

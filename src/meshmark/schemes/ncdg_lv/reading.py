@@ -41,6 +41,7 @@ class Reading:
     hypothesis; hypotheses: what the chance is to be multiplied by. The t-th reading is charged (hypotheses of its
     own) t (t + 1): as the 1 / (t (t + 1)) add up to 1, the bound holds for all readings together, wherever the
     search stops.
+    relief: of the surface, where the network is to demodulate; mirrored: read in the suspect's mirror image.
     """
 
     spacing: float
@@ -52,6 +53,7 @@ class Reading:
     log10_chance: float
     hypotheses: float
     relief: Relief | None = None
+    mirrored: bool = False
 
     @classmethod
     def of(
@@ -75,17 +77,19 @@ def readings(
     surface: Welded,
     key: Key,
     code_length: int,
+    tickets: Iterator[int],
     wide: bool = False,
     spacings: Sequence[float] | None = None,
 ) -> Iterator[Reading]:
     """Yield a reading for each spacing and frame alternative with enough cells, likeliest first.
 
+    tickets: numbers of readings, which all share one bound.
     wide: also with axes of nearly equal moments exchanged, and all spacings instead of the first few.
     spacings: those to read; by default all that an embedding may have chosen.
     """
     frame = canonical_frame(surface.points, surface.faces)
     canonical = frame.to_canonical(surface.points)
-    tried, rich = 0, 0
+    rich = 0
     for spacing in preferred_spacings(frame.area) if spacings is None else spacings:
         lattice = Lattice.keyed(key, spacing)
         samples = plan_samples(canonical, surface.faces, LONGEST_SAMPLE * spacing)(canonical)
@@ -95,8 +99,8 @@ def readings(
             fewest = min(fewest or len(cells.nodes), len(cells.nodes))
             if fewest < CARRIER_READABLE:
                 break  # about as many whichever way the lattice lies
-            tried += 1
-            yield _at_best_step(spacing, cells, lattice.keys(cells.nodes, code_length), tried * (tried + 1))
+            number = next(tickets)
+            yield _at_best_step(spacing, cells, lattice.keys(cells.nodes, code_length), number * (number + 1))
         rich += fewest >= CARRIER_PLENTY
         if rich == SPACING_TRIES and not wide:
             return
