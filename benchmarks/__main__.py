@@ -14,6 +14,7 @@ MEASUREMENTS = (
     "false_positives",
     "code",
     "demodulator",
+    "region_classifier",
     "metrics_validation",
     "marks",
     "recovery",

@@ -16,7 +16,8 @@ from meshmark.mesh import FloatArray, Mesh
 from meshmark.report.whereabouts import whereabouts
 from meshmark.schemes.ncdg_lv.authentication.examination import DOUBTFUL_LOG10, Examination, examine
 from meshmark.schemes.ncdg_lv.authentication.payload import Payload
-from meshmark.schemes.ncdg_lv.authentication.regions import Region, connected_parts, judge_regions
+from meshmark.schemes.ncdg_lv.authentication.region_evidence import connected_parts, region_evidence
+from meshmark.schemes.ncdg_lv.authentication.regions import Region, judge_regions
 from meshmark.schemes.ncdg_lv.certificate import Certificate
 from meshmark.schemes.ncdg_lv.threads import on_one_thread
 from meshmark.segmentation.analysis import Segmentation, segment
@@ -85,11 +86,15 @@ def authenticate(mesh: Mesh, key: Key, *, reference: Certificate | Mesh | None =
     points, faces = found.surface.points, found.surface.faces
     areas = vertex_areas(points, faces)
     altered = found.altered if verdict == "altered" else np.zeros(len(points), bool)
-    checks = found.checks
-    checked = checks.eligible | checks.verified if found.marked else np.zeros(len(points), bool)
-    judged = judge_regions(points, faces, areas, _of_points(map_, found), checked, altered)
-    if verdict == "altered" and not found.marked:
-        judged = tuple(replace(region, verdict="altered", probability=1.0) for region in judged)
+    regions = _of_points(map_, found)
+    evidence = region_evidence(faces, regions, found.checks, altered)
+    judged = judge_regions(evidence, _centres(points, areas, regions))
+    if not found.marked:
+        called, chance = ("altered", 1.0) if verdict == "altered" else ("unchecked", 0.0)
+        judged = tuple(
+            replace(region, verdict=called, probability=chance, checks=0, failed=0, log10_chance=0.0)
+            for region in judged
+        )
     share = float(areas[altered].sum() / areas.sum())
     return Authentication(
         verdict=verdict,
@@ -124,6 +129,14 @@ def _payload(found: Examination) -> str:
 def _of_points(map_: Segmentation, found: Examination) -> Regions:
     first = found.surface.vertex_of_point
     return Regions(map_.region[first], map_.green[first], map_.green_share, map_.blue_share)
+
+
+def _centres(points: FloatArray, areas: FloatArray, regions: Regions) -> FloatArray:
+    """Return (n, 3): the middle of the surface of each region."""
+    count = len(regions.green_share)
+    weight = np.bincount(regions.region, areas, count)
+    moments = [np.bincount(regions.region, areas * points[:, axis], count) for axis in range(3)]
+    return np.asarray(np.stack(moments, axis=1) / np.where(weight > 0.0, weight, 1.0)[:, None])
 
 
 def _advice(verdict: str, found: Examination, regions: tuple[Region, ...], share: float) -> str:

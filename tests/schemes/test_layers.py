@@ -1,0 +1,149 @@
+"""Both layers together, and each alone, on shapes made by code."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from meshmark.coding.keys import Key
+from meshmark.errors import CapacityError, InputError
+from meshmark.mesh import Mesh
+from meshmark.schemes.ncdg_lv import authenticate, embed, extract
+from meshmark.schemes.ncdg_lv.parameters import BUDGETS
+from tests.shapes import pebble
+
+KEY, OTHER = Key(bytes(range(32))), Key(bytes(32))
+ID = 0x0123456789ABCDEF
+
+
+@pytest.fixture(scope="module")
+def model() -> Mesh:
+    return Mesh(*pebble())
+
+
+@pytest.fixture(scope="module")
+def both(model):
+    return embed(model, KEY, id=ID)
+
+
+def test_both_layers_are_there_by_default_and_both_are_read(model, both):
+    assert (both.layers, both.verified, both.id) == ("both", True, ID)
+    assert both.carriers > 0
+    assert both.mark_vertices > 0.15 * len(model.vertices)
+    assert extract(both.mesh, KEY).id == ID
+    found = authenticate(both.mesh, KEY)
+    assert (found.verdict, found.id, found.altered_vertices) == ("authentic", ID, 0)
+    assert found.content is not None
+    assert (found.content.kind, len(found.content.content)) == ("miniature", both.payload_bytes)
+
+
+@pytest.mark.parametrize("strength", ["subtle", "strong"])
+def test_both_layers_together_keep_the_budget(model, strength):
+    result = embed(model, KEY, id=ID, strength=strength, layers="both", payload="none")
+    moved = np.sqrt(((result.mesh.vertices - model.vertices) ** 2).sum(axis=1).mean())
+    share = moved / np.linalg.norm(np.ptp(model.vertices, axis=0))
+    assert share <= BUDGETS[strength]
+    assert result.rms_over_diagonal == pytest.approx(share)
+    assert result.payload_bytes == 0
+    assert extract(result.mesh, KEY).id == ID
+
+
+def test_ownership_alone_is_not_authenticated_and_its_certificate_says_so(model):
+    result = embed(model, KEY, id=ID, layers="ownership")
+    assert (result.layers, result.mark_vertices) == ("ownership", 0)
+    blind = authenticate(result.mesh, KEY)
+    assert (blind.verdict, blind.id) == ("altered", ID)
+    assert "without that layer" in blind.advice
+    known = authenticate(result.mesh, KEY, reference=result.certificate)
+    assert (known.verdict, known.altered_vertices) == ("not_marked", 0)
+
+
+def test_authentication_alone_moves_little_and_carries_bytes(model):
+    content = bytes(range(200))
+    result = embed(model, KEY, id=ID, layers="authentication", payload=content)
+    assert (result.layers, result.carriers, result.payload_bytes) == ("authentication", 0, 200)
+    assert result.psnr_db > 75
+    found = authenticate(result.mesh, KEY)
+    assert (found.verdict, found.payload) == ("authentic", "recovered")
+    assert found.content is not None
+    assert (found.content.kind, found.content.content) == ("bytes", content)
+    assert extract(result.mesh, KEY).presence == "absent"
+
+
+def test_a_file_is_carried_and_images_are_known(model, tmp_path):
+    (tmp_path / "a.png").write_bytes(b"\x89PNG\r\n\x1a\n and so on")
+    result = embed(model, KEY, id=ID, layers="authentication", payload=tmp_path / "a.png")
+    found = authenticate(result.mesh, KEY)
+    assert found.content is not None
+    assert (found.content.kind, found.content.content) == ("image", (tmp_path / "a.png").read_bytes())
+
+
+def test_an_edit_is_found_and_nothing_else(both):
+    vertices = both.mesh.vertices.copy()
+    near = np.linalg.norm(vertices - vertices[700], axis=1)
+    pushed = near < 0.15 * np.linalg.norm(np.ptp(vertices, axis=0))
+    vertices[pushed] += [0.05, 0.0, 0.02]
+    found = authenticate(both.mesh.with_vertices(vertices), KEY)
+    assert found.verdict == "altered"
+    assert (found.altered & pushed).sum() / (found.altered | pushed).sum() > 0.8
+    called = {region.id for region in found.regions if region.verdict == "altered"}
+    assert called
+    assert set(found.region[pushed]) >= called
+    assert f"{len(called)} of {len(found.regions)} regions altered" in found.advice
+    assert all(region.probability > 0.5 for region in found.regions if region.id in called)
+
+
+def test_noise_everywhere_is_an_alteration_everywhere(both):
+    random = np.random.default_rng(3)
+    noisy = both.mesh.with_vertices(both.mesh.vertices + 5e-4 * random.normal(size=both.mesh.vertices.shape))
+    found = authenticate(noisy, KEY)
+    assert (found.verdict, found.id, found.altered.all()) == ("altered", ID, True)
+    assert {region.verdict for region in found.regions} == {"altered"}
+
+
+def test_another_key_and_an_unmarked_model_are_not_marked(model, both):
+    for mesh, key in ((both.mesh, OTHER), (model, KEY)):
+        found = authenticate(mesh, key)
+        assert (found.verdict, found.payload, found.id) == ("not_marked", "none", None)
+        assert not found.altered.any()
+
+
+def test_a_model_with_room_for_the_id_only_gets_that_and_a_remark():
+    # Rounded coordinates: the file holds an id, but no fine marks.
+    points, faces = pebble()
+    mesh = _Coarse.mesh(np.round(points, 3), faces)
+    result = embed(mesh, KEY, id=ID, strength="strong")
+    assert (result.layers, result.mark_vertices) == ("ownership", 0)
+    assert len(result.remarks) == 1
+    assert result.remarks[0].startswith("the authentication layer is left out: ")
+    with pytest.raises(CapacityError, match="authentication"):
+        embed(mesh, KEY, id=ID, strength="strong", layers="both")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"layers": "three"}, "unknown layers"),
+        ({"strength": "huge"}, "unknown strength"),
+        ({"tolerance": "none"}, "unknown tolerance"),
+        ({"payload": "no/such/file"}, "cannot read the payload"),
+        ({"layers": "ownership", "payload": b"x"}, "a payload needs the authentication layer"),
+    ],
+)
+def test_arguments_out_of_range_are_refused(model, arguments, message):
+    with pytest.raises(InputError, match=message):
+        embed(model, KEY, **{"layers": "authentication", **arguments})
+
+
+class _Coarse:
+    """A document that holds three decimals."""
+
+    format = "obj"
+
+    @staticmethod
+    def mesh(points, faces) -> Mesh:
+        return Mesh(points, faces, _Coarse())
+
+    @staticmethod
+    def conform(vertices):
+        return np.round(vertices, 3)
