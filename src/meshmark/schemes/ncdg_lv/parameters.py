@@ -123,7 +123,7 @@ CREDIBLE_LOG10: Final = -0.5
 CROP_APART: Final = 0.035
 CROP_EXPECTED: Final = np.array([0.014] * 3 + [0.011] + [0.016] * 3)
 # So many of these frames are tried, locked from a first cluster of cells, then from a second.
-CROP_FRAMES: Final = {"quick": (60, 20), "wide": (300, 120)}
+CROP_FRAMES: Final = {"quick": (60, 20), "wide": (160, 60)}
 # Spacings with so many carriers left may be that of the whole; the first few are tried.
 CROP_CARRIERS: Final = 130
 CROP_SPACINGS: Final = 2
