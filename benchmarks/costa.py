@@ -3,9 +3,9 @@
 python -m benchmarks.costa own-out/results.csv [--data ../shared/data/models/test]
 
 A mark of power W in N vertices under noise of power Z can carry 0.5 N log2(1 + W / Z) bits, even if its reader
-does not know the host (Costa 1983, doi:10.1109/TIT.1983.1056659). For 64 bits W / Z must be 2^(128 / N) - 1 at least.
-The distance is the W / Z at which a model was last read exactly, over that: the strongest noise attack survived. Only
-displacement along normals counts, so of the noise a third; the mark is taken to lie along normals.
+does not know the host (Costa 1983, doi:10.1109/TIT.1983.1056659). For 64 bits W / Z must be 2^(128 / N) - 1 at
+least. The distance is the W / Z at which a model was last read exactly, over that: the strongest noise attack it
+survived. Only displacement along normals counts, so of the noise a third; the mark is taken to lie along normals.
 """
 
 from __future__ import annotations
