@@ -34,7 +34,7 @@ def run_model(path: Path, trials: int, most_points: int) -> list[tuple[str, str,
         return []
     marked: Mesh | None = None
     with contextlib.suppress(MeshmarkError):  # refused: all its trials are of the unmarked model
-        marked = embed(mesh, Key(random.bytes(32)), id=1).mesh
+        marked = embed(mesh, Key(random.bytes(32)), id=1, layers="ownership").mesh
     rows = []
     for trial in range(trials):
         kind, suspect = ("wrong key", marked) if trial % 2 and marked is not None else ("unmarked", mesh)
