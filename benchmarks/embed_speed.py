@@ -1,4 +1,4 @@
-"""Time and memory of embedding and extraction (ownership layer), beside trimesh loading and exporting the same OBJ file.
+"""Time and memory of embedding and extraction (ownership layer), beside trimesh on the same OBJ file.
 
 python -m benchmarks.embed_speed [--repeats 5]
 

@@ -39,7 +39,7 @@ __all__ = ["LANDMARKS", "Certificate", "certify"]
 
 LANDMARKS = 400
 FORMAT, VERSION = "meshmark certificate", 1
-# A certificate has below 100 kB and about 5 bytes of undo data per vertex; what is far larger is none and is not read.
+# A certificate has below 100 kB, and about 5 bytes of undo data per vertex; what is far larger is not read.
 LONGEST = 200_000_000
 MOST_LANDMARKS = 20_000
 # Larger numbers do not go into 16 bits; only thousands of sheets on top of each other could give them.
