@@ -39,8 +39,9 @@ __all__ = ["locked_readings", "registered_readings", "stretched_readings"]
 CLUSTERS = 4
 # Corrections tried in each: twelve directions need more than seven.
 STRETCH_GRID = 1_000_000
-# The frames of the stretched shapes have followed; so much of the usual drift is left.
-STRETCH_DRIFT = 0.6
+# The frames of stretched shapes have followed: so much of the usual drift is left. A registration has to make do with
+# a stretched suspect: it is off by more.
+STRETCH_DRIFT, REGISTERED_DRIFT = 0.6, 1.6
 
 
 def locked_readings(
@@ -63,7 +64,14 @@ def locked_readings(
             turns = frame_alternatives(frame, wide, SURELY_SKEW)
             for turned in turns if wide else islice(turns, LOCK_TURNS):
                 yield from _locked(
-                    shapes, restoration, lattice, turned, LOCK_STEPS, code_length, next(tickets)
+                    shapes,
+                    restoration,
+                    lattice,
+                    turned,
+                    LOCK_STEPS,
+                    STRETCH_DRIFT,
+                    code_length,
+                    next(tickets),
                 )
 
 
@@ -84,7 +92,9 @@ def stretched_readings(
     for spacing in _spacings(shapes, restoration, frame, key, wide) if spacings is None else spacings:
         lattice = Lattice.keyed(key, spacing)
         for turned in frame_alternatives(frame, wide, SURELY_SKEW):
-            yield from _grown(shapes, restoration, lattice, turned, code_length, next(tickets))
+            yield from _grown(
+                shapes, restoration, lattice, turned, LOCK_STEPS, STRETCH_DRIFT, code_length, next(tickets)
+            )
 
 
 def registered_readings(
@@ -100,15 +110,20 @@ def registered_readings(
 
     spacings, steps: of the lattice and the quantiser, where the reference tells them.
     """
-    held = [(frame, Shapes(surface, frame)) for frame in frames]
+    held = []
+    for frame in frames:
+        near = preferred_spacings(frame.area)[:ORIGINAL_SPACINGS] if spacings is None else spacings
+        shapes = Shapes(surface, frame)
+        held += [(frame, shapes, Lattice.keyed(key, spacing)) for spacing in near]
+    known = LOCK_STEPS if steps is None else steps
     for restoration in restorations(surface) if held else ():
-        for frame, shapes in held:
-            for spacing in (
-                preferred_spacings(frame.area)[:ORIGINAL_SPACINGS] if spacings is None else spacings
-            ):
-                lattice = Lattice.keyed(key, spacing)
-                known = LOCK_STEPS if steps is None else steps
-                yield from _locked(shapes, restoration, lattice, frame, known, code_length, next(tickets))
+        for frame, shapes, lattice in held:
+            yield from _locked(shapes, restoration, lattice, frame, known, code_length, next(tickets))
+    restoration = stretched(surface.points)
+    for frame, shapes, lattice in held:
+        yield from _grown(
+            shapes, restoration, lattice, frame, known, REGISTERED_DRIFT, code_length, next(tickets)
+        )
 
 
 def _spacings(
@@ -170,24 +185,26 @@ def _grown(
     restoration: Restoration,
     lattice: Lattice,
     turned: Frame,
+    steps: Sequence[float],
+    drift: float,
     code_length: int,
     number: int,
 ) -> Iterator[Reading]:
-    """Yield what locks from either of two clusters of cells on."""
+    """Yield what locks from any of a few clusters of cells on; drift: over the usual one."""
     response = shapes.response(restoration, lattice, turned)
     if len(response.cells.nodes) < CARRIER_READABLE:
         return
     keys = lattice.keys(response.cells.nodes, code_length)
-    expected = np.concatenate([LOCK_EXPECTED * STRETCH_DRIFT, restoration.expected])
+    expected = np.concatenate([LOCK_EXPECTED * drift, restoration.expected])
     gradient = 4.0 * np.pi * response.gradient
     places = response.cells.nodes.astype(np.float64)
     orders = neighbourhoods(gradient / TYPICAL_STEP * expected, places, CLUSTERS)
-    for step, order in product(LOCK_STEPS, orders):
+    for step, order in product(steps, orders):
         psi = 2.0 * bit_phase(response.cells.offset, keys.dither, step)
         lock = grown(psi, gradient / step, expected, order, STRETCH_GRID)
         if lock is None:
             continue
-        tried = lock.tried * len(LOCK_STEPS)
+        tried = lock.tried * len(steps)
         if log10_lock_chance(lock.score, len(psi)) + np.log10(tried) < CREDIBLE_LOG10:
             anew = shapes.corrected(restoration, lattice, turned, lock.correction)
             yield _again(anew, lattice, step, code_length, number * (number + 1) * tried)
