@@ -39,8 +39,8 @@ __all__ = ["locked_readings", "registered_readings", "stretched_readings"]
 CLUSTERS = 4
 # Corrections tried in each: twelve directions need more than seven.
 STRETCH_GRID = 1_000_000
-# The frames of stretched shapes have followed: so much of the usual drift is left. A registration has to make do with
-# a stretched suspect: it is off by more.
+# The frames of stretched shapes have followed: so much of the usual drift is left. A registration has to make do
+# with a stretched suspect: it is off by more.
 STRETCH_DRIFT, REGISTERED_DRIFT = 0.6, 1.6
 
 
@@ -64,14 +64,7 @@ def locked_readings(
             turns = frame_alternatives(frame, wide, SURELY_SKEW)
             for turned in turns if wide else islice(turns, LOCK_TURNS):
                 yield from _locked(
-                    shapes,
-                    restoration,
-                    lattice,
-                    turned,
-                    LOCK_STEPS,
-                    STRETCH_DRIFT,
-                    code_length,
-                    next(tickets),
+                    shapes, restoration, lattice, turned, LOCK_STEPS, code_length, next(tickets)
                 )
 
 
