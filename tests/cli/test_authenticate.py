@@ -189,6 +189,14 @@ def test_unmark_returns_the_original(cli, files, sealed, tmp_path):
     assert cli("authenticate", tmp_path / "plain.ply", "--key", files.key).code == 1
 
 
+def test_what_was_never_marked_is_not_unmarked(cli, files, sealed, tmp_path):
+    arguments = ("--key", files.key, "--certificate", sealed / "sealed.cert")
+    ran = cli("unmark", files.model, tmp_path / "plain.ply", *arguments)
+    assert (ran.code, len(ran.err.splitlines())) == (2, 1)
+    assert "no mark of this key" in ran.err
+    assert not (tmp_path / "plain.ply").exists()
+
+
 def test_a_payload_that_does_not_fit_is_refused_with_what_does(cli, files, tmp_path):
     (tmp_path / "long").write_bytes(bytes(100_000))
     arguments = ("--layers", "authentication", "--payload", tmp_path / "long")

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from time import perf_counter
+from typing import TYPE_CHECKING
 
 from meshmark.cli.options import AsJson, CertificateIn, KeyFile, ModelIn, ModelOut
 from meshmark.cli.output import answer, percent, say
 from meshmark.cli.paths import check_output
 from meshmark.cli.progress import progress
 from meshmark.errors import InputError
+
+if TYPE_CHECKING:
+    from meshmark.coding.keys import Key
+    from meshmark.mesh import Mesh
 
 __all__ = ["unmark"]
 
@@ -35,10 +41,10 @@ def unmark(
     mesh = read_mesh(model)
     with progress("taking the mark off"):
         found = take_off(mesh, secret, kept)
+        whole = "the original" if found.exact else _told(model, mesh, secret)
     report = write_mesh(found.mesh, out)
     if report.dropped:
         say(f"meshmark: {out.name} cannot hold the model's {', '.join(report.dropped)}")
-    whole = "the original" if found.exact else "but the model was changed since it was marked"
     words = (
         f"Unmarked: {model} -> {out}, {whole}; moved {percent(found.rms_over_diagonal)} of the diagonal RMS"
     )
@@ -49,3 +55,15 @@ def unmark(
     }
     answer(words, fields, as_json)
     return 0
+
+
+def _told(path: Path, mesh: Mesh, key: Key) -> str:
+    """Say what a model is that is not quite the marked one; raises `InputError` where no mark is there."""
+    from meshmark.schemes.ncdg_lv.authentication.examination import examine
+
+    found = examine(mesh, key)
+    if found.id is None:
+        raise InputError(f"{path.name} carries no mark of this key, so there is none to take off")
+    if found.marked and not found.altered.any():
+        return "the original as this copy lies, within rounding"
+    return "but the model was changed since it was marked"

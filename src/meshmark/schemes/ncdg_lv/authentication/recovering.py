@@ -77,6 +77,9 @@ def recover(mesh: Mesh, key: Key, *, reference: Certificate | Mesh | None = None
         return Recovery(None, share, 0, 0, 0, f"It cannot be recovered: {error}.", perf_counter() - start)
     whole, moved, removed = _of_file(mesh, found.surface, made)
     added = int(made.added.sum())
+    if not (moved or removed or added):
+        advice = "What was altered is less than the miniature tells, or out of its reach."
+        return Recovery(None, share, 0, 0, 0, advice, perf_counter() - start)
     advice = "The altered parts are back as the miniature has them."
     return Recovery(whole, share, moved, removed, added, advice, perf_counter() - start)
 
