@@ -19,7 +19,7 @@ __all__ = ["bench"]
 
 
 def bench(
-    suite: Annotated[str, typer.Argument(metavar="SUITE", help="smoke, paper, robust, security or speed.")],
+    suite: Annotated[str, typer.Argument(metavar="SUITE", help="smoke, paper, robust, ownership, security or speed.")],
     data: Annotated[
         Path | None,
         typer.Option(
