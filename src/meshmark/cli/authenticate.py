@@ -49,7 +49,7 @@ def authenticate(
     ] = None,
     as_json: AsJson = False,
 ) -> int:
-    """Say whether a model was changed since it was marked, and where.
+    """Say whether, and where, a model was changed since marking.
 
     Neither the original nor a certificate is needed. Turning, resizing, another order of vertices and other
     formats are no changes. The map is a PLY with IN's vertices in their order, colours, and a property `altered`.
