@@ -22,7 +22,7 @@ __all__ = ["unmark"]
 def unmark(
     model: ModelIn, out: ModelOut, key: KeyFile, certificate: CertificateIn = None, as_json: AsJson = False
 ) -> int:
-    """Take a mark off again, with the key and the certificate that was made at embedding.
+    """Take a mark off again, with the key and the certificate.
 
     The model must have its vertices in the order in which it was marked; it may have been turned, resized and
     moved. From a model that was not changed otherwise the original comes back.
