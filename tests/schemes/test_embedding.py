@@ -11,6 +11,7 @@ from meshmark.errors import CapacityError, InputError
 from meshmark.geometry.frame import canonical_frame
 from meshmark.mesh import Mesh
 from meshmark.schemes.ncdg_lv import embed, extract
+from meshmark.schemes.ncdg_lv.embedding import embed as embed_ownership
 from meshmark.schemes.ncdg_lv.parameters import BUDGETS
 from tests.shapes import pebble
 
@@ -119,11 +120,16 @@ def test_too_little_surface_is_refused_with_what_is_missing():
 
 @pytest.mark.parametrize(
     ("arguments", "message"),
-    [({"id": 2**64}, "64-bit"), ({"strength": "huge"}, "unknown strength"), ({"reserve": 1.0}, "reserve")],
+    [({"id": 2**64}, "64-bit"), ({"strength": "huge"}, "unknown strength")],
 )
 def test_arguments_out_of_range_are_refused(model, arguments, message):
     with pytest.raises(InputError, match=message):
         embed(model, KEY, **arguments)
+
+
+def test_a_reserve_beyond_the_budget_is_refused(model):
+    with pytest.raises(InputError, match="reserve"):
+        embed_ownership(model, KEY, reserve=1.0)
 
 
 def test_a_stray_vertex_does_not_stretch_the_budget(model):

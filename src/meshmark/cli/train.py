@@ -54,7 +54,7 @@ def train(
     ] = 20_000,
     as_json: AsJson = False,
 ) -> int:
-    """Train a network: the one that weighs what is read of an id, or the one that judges regions.
+    """Train one of the networks: demodulator or distortion.
 
     Every model of DIR is marked and attacked; some of the models are kept aside to say when to stop.
     """
