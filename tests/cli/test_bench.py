@@ -94,7 +94,10 @@ def ended(group):
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        (["nonsense"], "'nonsense' is not a suite, expected one of smoke, paper, robust, ownership, security, speed"),
+        (
+            ["nonsense"],
+            "'nonsense' is not a suite, expected one of smoke, paper, robust, ownership, security, speed",
+        ),
         (["smoke", "--schemes", "nonsense"], "'nonsense' is not a scheme, expected one of ncdg_lv"),
         (["smoke", "--schemes", ","], "--schemes names no scheme"),
         (["smoke", "--data", "/nowhere"], "/nowhere is not a folder"),

@@ -19,7 +19,9 @@ __all__ = ["bench"]
 
 
 def bench(
-    suite: Annotated[str, typer.Argument(metavar="SUITE", help="smoke, paper, robust, ownership, security or speed.")],
+    suite: Annotated[
+        str, typer.Argument(metavar="SUITE", help="smoke, paper, robust, ownership, security or speed.")
+    ],
     data: Annotated[
         Path | None,
         typer.Option(
