@@ -30,8 +30,8 @@ from meshmark.schemes.ncdg_lv.parameters import (
     CROP_EXPECTED,
     CROP_FRAMES,
     CROP_SPACINGS,
-    CROP_STEPS,
     GATHER,
+    LARGE_STEPS,
     LOCK_EXPECTED,
     LOCK_RADIUS,
     LOCK_STEPS,
@@ -61,7 +61,7 @@ def cropped_readings(
     if not frames:
         return
     suspect = _Suspect(points, surface.faces, frames[0], key)
-    steps = LOCK_STEPS[:CROP_STEPS]
+    steps = LOCK_STEPS[:LARGE_STEPS]
     for cluster, many in enumerate(CROP_FRAMES["wide" if wide else "quick"]):
         for frame in frames[:many]:
             pose = _pose(frames[0], frame)

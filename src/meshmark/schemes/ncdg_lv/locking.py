@@ -19,6 +19,7 @@ from meshmark.schemes.ncdg_lv.parameters import (
     CARRIER_ENOUGH,
     CARRIER_READABLE,
     CREDIBLE_LOG10,
+    LARGE_STEPS,
     LOCK_CANDIDATES,
     LOCK_EXPECTED,
     LOCK_RADIUS,
@@ -36,7 +37,7 @@ from meshmark.schemes.ncdg_lv.shapes import Response, Shapes
 __all__ = ["locked_readings", "registered_readings", "stretched_readings"]
 
 # Clusters of cells that a stretch is looked for from.
-CLUSTERS = 4
+CLUSTERS = 3
 # Corrections tried in each: twelve directions need more than seven.
 STRETCH_GRID = 1_000_000
 # The frames of stretched shapes have followed: so much of the usual drift is left. A registration has to make do
@@ -82,11 +83,13 @@ def stretched_readings(
     """
     shapes, restoration = Shapes(surface), stretched(surface.points)
     frame = shapes.frame(surface.points)
+    steps = LOCK_STEPS if wide else LOCK_STEPS[:LARGE_STEPS]
     for spacing in _spacings(shapes, restoration, frame, key, wide) if spacings is None else spacings:
         lattice = Lattice.keyed(key, spacing)
-        for turned in frame_alternatives(frame, wide, SURELY_SKEW):
+        turns = frame_alternatives(frame, wide, SURELY_SKEW)
+        for turned in turns if wide else islice(turns, LOCK_TURNS):
             yield from _grown(
-                shapes, restoration, lattice, turned, LOCK_STEPS, STRETCH_DRIFT, code_length, next(tickets)
+                shapes, restoration, lattice, turned, steps, STRETCH_DRIFT, code_length, next(tickets)
             )
 
 

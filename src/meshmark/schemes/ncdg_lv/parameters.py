@@ -21,13 +21,13 @@ __all__ = [
     "CROP_EXPECTED",
     "CROP_FRAMES",
     "CROP_SPACINGS",
-    "CROP_STEPS",
     "DECODE_LOG10",
     "DIVERGED",
     "EMBED_SELECTION",
     "EXTRACT_SELECTION",
     "GATHER",
     "HOPELESS_ERROR",
+    "LARGE_STEPS",
     "LOCK_CANDIDATES",
     "LOCK_EXPECTED",
     "LOCK_RADIUS",
@@ -128,7 +128,7 @@ CROP_FRAMES: Final = {"quick": (60, 20), "wide": (160, 60)}
 CROP_CARRIERS: Final = 130
 CROP_SPACINGS: Final = 2
 # The largest so many steps are tried: those of standard and strong marks.
-CROP_STEPS: Final = 9
+LARGE_STEPS: Final = 9
 # With the original at hand, so many spacings are read in each of its frames.
 ORIGINAL_SPACINGS: Final = 3
 # So many turns of a frame are searched, where the search is to be quick.
