@@ -5,8 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
 SHARED_DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
+
+# How long an example takes depends on what else the machine does.
+settings.register_profile("meshmark", deadline=None)
+settings.load_profile("meshmark")
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
