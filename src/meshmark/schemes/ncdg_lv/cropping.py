@@ -134,8 +134,8 @@ def _grown(
             continue
         tried = lock.tried * len(steps)
         if log10_lock_chance(lock.score, len(psi)) + np.log10(tried) < CREDIBLE_LOG10:
-            pose = pose.then(lock.correction)
-            yield _anew(samples, lattice, pose, step, code_length, number * (number + 1) * tried)
+            corrected = pose.then(lock.correction)
+            yield _anew(samples, lattice, corrected, step, code_length, number * (number + 1) * tried)
 
 
 def _anew(
