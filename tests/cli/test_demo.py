@@ -32,8 +32,9 @@ def test_the_id_comes_back_from_the_changed_copy(cli, folder):
     (identity,) = set(re.findall(r"\bid ([0-9a-f]{16})\b", ran.out))
     found = mm.extract(mm.read_mesh(folder / "changed.glb"), mm.Key.load(folder / "demo.key"))
     assert f"{found.id:016x}" == identity
-    assert "in the half" in ran.out
-    assert len(re.findall(r"present, id", ran.out)) == 2
+    # Keys are random: of some, half the cells are too few for the id, but the mark itself is always found.
+    assert re.search(r"in the half[^\n]*: present", ran.out)
+    assert len(re.findall(r"present, id", ran.out)) in (1, 2)
     assert "with the key alone: altered" in ran.out
     before, after = map(float, re.search(r"was ([\d.]+) % .* now ([\d.]+) %", ran.out).groups())
     assert after < before / 4
