@@ -13,6 +13,7 @@ from PIL import Image
 import meshmark as mm
 from meshmark.cli.demo import NOISE, SCALE, travelled
 from meshmark.cli.demo_damage import PUSH, bent
+from meshmark.schemes.ncdg_lv import layers
 
 
 @pytest.fixture(scope="module")
@@ -20,7 +21,10 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("demo")
 
 
-def test_the_id_comes_back_from_the_changed_copy(cli, folder):
+def test_the_id_comes_back_from_the_changed_copy(cli, folder, monkeypatch):
+    # Half a hare has cells enough for the id with about half of all keys and ids; these are one such pair.
+    mm.Key(bytes(32)).save(folder / "demo.key")
+    monkeypatch.setattr(layers, "random_id", lambda: 1000)
     ran = cli("demo", "--out", folder)
     assert ran.code == 0, ran
     assert ran.err == ""
@@ -32,9 +36,8 @@ def test_the_id_comes_back_from_the_changed_copy(cli, folder):
     (identity,) = set(re.findall(r"\bid ([0-9a-f]{16})\b", ran.out))
     found = mm.extract(mm.read_mesh(folder / "changed.glb"), mm.Key.load(folder / "demo.key"))
     assert f"{found.id:016x}" == identity
-    # Keys are random: of some, half the cells are too few for the id, but the mark itself is always found.
-    assert re.search(r"in the half[^\n]*: present", ran.out)
-    assert len(re.findall(r"present, id", ran.out)) in (1, 2)
+    assert "in the half" in ran.out
+    assert len(re.findall(r"present, id", ran.out)) == 2
     assert "with the key alone: altered" in ran.out
     before, after = map(float, re.search(r"was ([\d.]+) % .* now ([\d.]+) %", ran.out).groups())
     assert after < before / 4
