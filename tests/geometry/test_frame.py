@@ -5,7 +5,7 @@ import pytest
 
 from meshmark.coding.keyed import rotation
 from meshmark.errors import InputError
-from meshmark.geometry.frame import canonical_frame, frame_alternatives, surface_moments
+from meshmark.geometry.frame import canonical_frame, frame_alternatives, signed_axes, surface_moments
 from tests.shapes import pebble
 
 
@@ -25,6 +25,21 @@ def test_moments_of_a_square_plate():
     assert area == pytest.approx(4.0)
     np.testing.assert_allclose(centre, [1, 1, 5])
     np.testing.assert_allclose(second, np.diag([1 / 3, 1 / 3, 0]), atol=1e-15)  # width^2 / 12
+
+
+def test_signed_axes_are_rotations_that_only_the_least_skew_axis_may_spoil():
+    random = np.random.default_rng(5)
+    axes = np.linalg.qr(random.normal(size=(200, 3, 3)))[0]
+    third = random.normal(size=(200, 3))
+    signed = signed_axes(axes, third)
+    np.testing.assert_allclose(np.linalg.det(signed), 1.0)
+    turned = (signed * axes).sum(axis=1)  # 1 or -1 for each axis
+    np.testing.assert_allclose(np.abs(turned), 1.0)
+    backward = (third * turned < 0.0).nonzero()
+    assert 50 < len(backward[0]) < 150
+    np.testing.assert_array_equal(backward[1], np.abs(third).argmin(axis=1)[backward[0]])
+    for one, moments, expected in zip(axes, third, signed, strict=True):
+        np.testing.assert_array_equal(signed_axes(one, moments), expected)
 
 
 def test_moments_belong_to_the_surface_not_to_its_triangles():

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from meshmark.errors import FormatError
-from meshmark.io.polygons import check_indices, fan_corners, spread, strip_triangles
+from meshmark.io.polygons import check_indices, fan_corners, strip_triangles
 
 
 @given(st.lists(st.integers(1, 7)))
@@ -18,13 +18,6 @@ def test_fans(sizes: list[int]) -> None:
         expected += [[begin, begin + k, begin + k + 1] for k in range(1, size - 1)]
         begin += size
     assert fan_corners(np.array(sizes, dtype=np.int64)).tolist() == expected
-
-
-@given(st.lists(st.integers(0, 5)))
-def test_spread(sizes: list[int]) -> None:
-    group, place = spread(np.array(sizes, dtype=np.int64))
-    pairs = [(row, k) for row, size in enumerate(sizes) for k in range(size)]
-    assert list(zip(group.tolist(), place.tolist(), strict=True)) == pairs
 
 
 @given(st.lists(st.integers(-1, 9)))

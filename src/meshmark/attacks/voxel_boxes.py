@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from meshmark.geometry.groups import members
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["places_in_boxes"]
@@ -21,8 +22,8 @@ def places_in_boxes(low: FloatArray, high: FloatArray, most: int) -> Iterator[tu
         before = ends[start - 1] if start else 0
         stop = max(int(np.searchsorted(ends, before + most)), start + 1)
         counts = np.diff(ends[start:stop], prepend=before)
-        box = np.repeat(np.arange(start, stop), counts)
-        rest = np.arange(len(box)) - np.repeat(np.cumsum(counts) - counts, counts)
+        box, rest = members(counts)
+        box += start
         place = first[box].T
         for axis in reversed(range(1, size.shape[1])):
             rest, along = np.divmod(rest, size[box, axis])

@@ -10,6 +10,7 @@ from scipy.spatial import cKDTree
 from meshmark.errors import InputError
 from meshmark.geometry.blocks import blocks
 from meshmark.geometry.box_tree import BRANCHES, ROUNDING, BoxLevel, box_levels, level_bounds
+from meshmark.geometry.groups import members
 from meshmark.geometry.point_triangle import Triangles
 from meshmark.geometry.shared_places import SharedPlaces
 from meshmark.mesh import FloatArray, IntArray
@@ -102,8 +103,9 @@ class _Search:
             guess = level % GUESS_EVERY == GUESS_EVERY - 1
             rows, boxes = self._near_boxes(levels[level], rows, boxes, guess)
             if level + 1 == len(levels):
-                pairs, places = _expand(ends[boxes], ends[boxes + 1])
-                self.try_faces(rows[pairs], order[places])
+                starts = ends[boxes]
+                pair, place = members(ends[boxes + 1] - starts)
+                self.try_faces(rows[pair], order[starts[pair] + place])
                 continue
             rows = np.repeat(rows, BRANCHES)
             boxes = (BRANCHES * boxes[:, None] + np.arange(BRANCHES)).ravel()
@@ -147,11 +149,3 @@ def _first_smallest(rows: IntArray, values: FloatArray) -> IntArray:
     smallest = np.repeat(np.minimum.reduceat(values, starts), np.diff(starts, append=len(rows)))
     places = np.flatnonzero(values == smallest)
     return places[np.searchsorted(places, starts)]
-
-
-def _expand(starts: IntArray, ends: IntArray) -> tuple[IntArray, IntArray]:
-    """Return all numbers of the ranges [start, end), and before each the number of its range."""
-    sizes = ends - starts
-    owner = np.repeat(np.arange(len(sizes)), sizes)
-    within = np.arange(len(owner)) - np.repeat(np.cumsum(sizes) - sizes, sizes)
-    return owner, starts[owner] + within

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from meshmark.geometry.cut import Cut, find_cut
-from meshmark.geometry.frame import Frame
+from meshmark.geometry.frame import Frame, signed_axes
 from meshmark.geometry.raw_moments import RawMoments, raw_moments
 from meshmark.mesh import FloatArray, IntArray
 
@@ -137,10 +137,7 @@ def _frames(left: RawMoments, caps: _Caps) -> _Frames:
     square = np.einsum("nij,nia,nja->na", second, axes, axes, optimize=True)
     cube = np.einsum("nijk,nia,nja,nka->na", third, axes, axes, axes, optimize=True)
     cube = cube - 3.0 * mean * square + 2.0 * mean**3
-    axes = axes * np.where(cube < 0.0, -1.0, 1.0)[:, None, :]
-    least = np.argmin(np.abs(cube), axis=1)
-    mirrored = np.flatnonzero(np.linalg.det(axes) < 0.0)
-    axes[mirrored, :, least[mirrored]] *= -1.0
+    axes = signed_axes(axes, cube)
     skewness = np.abs(cube) / np.maximum(values, 1e-12 * scale[:, None] ** 2) ** 1.5
     return _Frames(centre, scale, axes, values / scale[:, None] ** 2, area / scale**2, skewness)
 

@@ -16,7 +16,7 @@ from meshmark.errors import InputError
 from meshmark.geometry.areas import face_areas, sum_at_points
 from meshmark.mesh import FloatArray, IntArray
 
-__all__ = ["Frame", "canonical_frame", "frame_alternatives", "surface_moments"]
+__all__ = ["Frame", "canonical_frame", "frame_alternatives", "signed_axes", "surface_moments"]
 
 # Axes whose second moments differ by less than this share of their sum may change places under an attack.
 SWAP_GAP = 0.04
@@ -94,11 +94,23 @@ def _third_moments(points: FloatArray, faces: IntArray, areas: FloatArray) -> Fl
     return np.array(moments)
 
 
+def signed_axes(axes: FloatArray, third: FloatArray) -> FloatArray:
+    """Return rotations: of the axes (..., 3, 3) those turned round whose third moment (..., 3) is negative.
+
+    Of a triple that is mirrored then, the axis with the smallest third moment is turned as well.
+    """
+    signs = np.where(third < 0.0, -1.0, 1.0)
+    mirrored = np.linalg.det(axes * signs[..., None, :]) < 0.0
+    least = np.argmin(np.abs(third), axis=-1)
+    signs *= np.where((np.arange(3) == least[..., None]) & mirrored[..., None], -1.0, 1.0)
+    return np.asarray(axes * signs[..., None, :])
+
+
 def canonical_frame(points: FloatArray, faces: IntArray) -> Frame:
     """Return the frame of a surface.
 
-    The axes are the eigenvectors of the second moments, the signs those that make the third moments positive;
-    of a mirrored triple the axis with the smallest third moment is turned. Raises `InputError` for no surface.
+    The axes are the eigenvectors of the second moments, their signs those of `signed_axes`.
+    Raises `InputError` for no surface.
     """
     low, high = points.min(axis=0), points.max(axis=0)
     size = float((high - low).max())
@@ -116,10 +128,7 @@ def canonical_frame(points: FloatArray, faces: IntArray) -> Frame:
     if not scale > 0.0:
         raise InputError("the model has no extent: all its surface lies in one point")
     third = _third_moments((points - centre) @ (axes / scale), faces, areas)
-    axes = axes * np.where(third < 0.0, -1.0, 1.0)
-    if np.linalg.det(axes) < 0.0:
-        axes[:, np.argmin(np.abs(third))] *= -1.0
-    axes = np.ascontiguousarray(axes)
+    axes = np.ascontiguousarray(signed_axes(axes, third))
     moments = values / values.sum()
     # `_third_moments` leaves out a factor of 10.
     skewness = np.abs(third) / (10.0 * area) / np.maximum(moments, FLAT) ** 1.5

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from meshmark.errors import FormatError
-from meshmark.io.polygons import spread
+from meshmark.geometry.groups import members
 from meshmark.io.text_numbers import ByteArray, line_number, parse_ints, readable
 from meshmark.io.text_tokens import key, token_blocks
 from meshmark.mesh import IntArray
@@ -80,7 +80,7 @@ def obj_lines(data: bytes, wanted: Iterable[bytes], counted: Iterable[bytes] = (
             census[word] += int((keys == key(word)).sum())
         for word, found in parts.items():
             rows = np.flatnonzero(keys == key(word))
-            group, place = spread(counts[rows])
+            group, place = members(counts[rows])
             chosen = block.first[rows][group] + 1 + place
             heads = block.starts[block.first[rows]] + base
             found.append(

@@ -10,10 +10,11 @@ from pathlib import Path
 import numpy as np
 
 from meshmark.errors import FormatError
+from meshmark.geometry.groups import members
 from meshmark.io.colors import rgba
 from meshmark.io.document import Attributes
 from meshmark.io.patch_document import PatchDocument, patch_document
-from meshmark.io.polygons import fan_corners, spread
+from meshmark.io.polygons import fan_corners
 from meshmark.io.text_numbers import parse_floats, parse_ints
 from meshmark.io.text_positions import text_positions
 from meshmark.io.text_tokens import Tokens, tokenise
@@ -133,7 +134,7 @@ def _faces(tokens: Tokens, layout: _Layout) -> tuple[IntArray, IntArray, bool]:
             f"line {tokens.line(int(heads[row]))}: face {row} declares {sizes[row]} corners, "
             f"but {room[row]} numbers follow"
         )
-    group, place = spread(sizes)
+    group, place = members(sizes)
     chosen = heads[group] + 1 + place
     corners = parse_ints(tokens.text, tokens.starts[chosen], tokens.ends[chosen])
     wrong = (corners < 0) | (corners >= layout.vertices)

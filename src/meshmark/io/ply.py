@@ -8,13 +8,14 @@ from pathlib import Path
 import numpy as np
 
 from meshmark.errors import FormatError
+from meshmark.geometry.groups import members
 from meshmark.io.binary_positions import binary_positions
 from meshmark.io.patch_document import PatchDocument, Positions, patch_document
 from meshmark.io.ply_attributes import ply_attributes
 from meshmark.io.ply_data import BinaryData, PlyData, TextData
 from meshmark.io.ply_header import PlyHeader, parse_header
 from meshmark.io.ply_layout import Columns, lay_out
-from meshmark.io.polygons import fan_corners, spread, strip_triangles
+from meshmark.io.polygons import fan_corners, strip_triangles
 from meshmark.io.text_positions import text_positions
 from meshmark.io.text_tokens import tokenise
 from meshmark.mesh import IntArray
@@ -72,7 +73,7 @@ def _corners(source: PlyData, face: Columns | None) -> tuple[IntArray, IntArray]
     sizes, places = face.counts[entry.name], face.places[entry.name]
     if (sizes == sizes[0]).all():
         return sizes, source.lists(places, entry.dtype, int(sizes[0])).astype(np.int64).ravel()
-    group, place = spread(sizes)
+    group, place = members(sizes)
     return sizes, source.values(places[group] + place * source.width(entry.dtype), entry.dtype).astype(
         np.int64
     )

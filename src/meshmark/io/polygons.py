@@ -5,16 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from meshmark.errors import FormatError
+from meshmark.geometry.groups import members
 from meshmark.mesh import IntArray
 
-__all__ = ["check_indices", "fan_corners", "spread", "strip_triangles"]
-
-
-def spread(counts: IntArray) -> tuple[IntArray, IntArray]:
-    """Return, for groups of the given sizes, each member's group and its place within the group."""
-    group = np.repeat(np.arange(len(counts)), counts)
-    place = np.arange(len(group)) - np.repeat(np.cumsum(counts) - counts, counts)
-    return group, place
+__all__ = ["check_indices", "fan_corners", "strip_triangles"]
 
 
 def fan_corners(sizes: IntArray) -> IntArray:
@@ -23,7 +17,7 @@ def fan_corners(sizes: IntArray) -> IntArray:
     sizes: (p,) corners per polygon. Polygons of one or two corners have no area and give no triangle.
     """
     begin = np.cumsum(sizes) - sizes
-    group, place = spread(np.maximum(sizes - 2, 0))
+    group, place = members(np.maximum(sizes - 2, 0))
     apex = begin[group]
     return np.stack([apex, apex + place + 1, apex + place + 2], axis=1)
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from meshmark.errors import InputError
+from meshmark.geometry.groups import members
 from meshmark.io.number_print import format_numbers, round_numbers
 from meshmark.io.number_style import NumberStyle, detect_style, digits_needed
-from meshmark.io.polygons import spread
 from meshmark.io.text_numbers import ByteArray, parse_floats, span_mask
 from meshmark.mesh import FloatArray, IntArray
 
@@ -122,5 +122,5 @@ def merge_edits(first: Edits, second: Edits) -> Edits:
     letters, lengths = np.concatenate([first[2], second[2]]), np.concatenate([first[3], second[3]])
     order = np.argsort(starts, kind="stable")
     begins = np.cumsum(lengths) - lengths
-    group, place = spread(lengths[order])
+    group, place = members(lengths[order])
     return starts[order], ends[order], letters[begins[order][group] + place], lengths[order]

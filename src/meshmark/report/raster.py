@@ -7,6 +7,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from meshmark.geometry.groups import members
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["EMPTY", "rasterise"]
@@ -41,18 +42,11 @@ def _chunks(sizes: IntArray, most: int) -> list[slice]:
     return [slice(a, b) for a, b in pairwise(bounds) if b > a]
 
 
-def _expand(counts: IntArray) -> tuple[IntArray, IntArray]:
-    """Return for each of `sum(counts)` items which group it belongs to and its place in it."""
-    group = np.repeat(np.arange(len(counts)), counts)
-    place = np.arange(len(group)) - np.repeat(np.cumsum(counts) - counts, counts)
-    return group, place
-
-
 def _fill(
     buffer: NDArray[np.uint64], corners: FloatArray, base: int, first: IntArray, rows: IntArray, width: int
 ) -> None:
     """Cut faces into pixel rows, rows into pixels, and keep the nearest face at each pixel."""
-    face, down = _expand(rows)
+    face, down = members(rows)
     y = first[face] + down
     (xa, ya, za), (xb, yb, zb), (xc, yc, zc) = corners.transpose(1, 2, 0)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -74,7 +68,7 @@ def _fill(
     place = y * width + left.astype(np.int64)
     name = (face + base).astype(np.uint64)
     for chunk in _chunks(count, PIXELS_AT_ONCE):
-        row, along = _expand(count[chunk])
+        row, along = members(count[chunk])
         row += chunk.start
         depth = np.clip(start[row] + along * step[row], 0.0, 1.0).astype(np.float32)
         # The bits of a float that is not negative sort as the number does: depth first, then the face.
