@@ -13,7 +13,7 @@ from meshmark.geometry.adjacency import mean_squared_edge, unique_edges
 from meshmark.geometry.scale_space import discrete_gaussian, discrete_gaussian_sum, random_walk
 from meshmark.geometry.weld import weld
 from meshmark.mesh import FloatArray
-from packed import read_packed
+from tests.packed import read_packed
 
 ALPHAS = np.array([0.0, 1e-6, 0.3, 1.0, 7.5, 40.0, 300.0])
 REAL = ["models/train/casting_5096.off.xz", "models/train/open_spot_low_resolution.off.xz"]

@@ -11,12 +11,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from gltf_samples import SAMPLES, Sample, cube, instances, rich
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from meshmark.errors import FormatError, InputError
 from meshmark.io.gltf import parse_glb, parse_gltf
+from tests.io.gltf_samples import SAMPLES, Sample, cube, instances, rich
 
 HERE = Path("nowhere/model.gltf")
 NUMBERS = [-1, 0, 1, 3, 1.0, 1.5, 5126, 2**31, 2**63, 10**400, 1e308]

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import pytest
 import trimesh
-from gltf_samples import CUBE, CUBE_FACES, UNIT
 
 from meshmark.errors import InputError
 from meshmark.io.document import Attributes
@@ -18,6 +17,7 @@ from meshmark.io.gltf import parse_glb, parse_gltf
 from meshmark.io.gltf_new import convert_glb, convert_gltf
 from meshmark.io.threemf import parse_3mf
 from meshmark.io.threemf_new import convert_3mf
+from tests.io.gltf_samples import CUBE, CUBE_FACES, UNIT
 
 HERE = Path("new")
 FULL = Attributes(

@@ -11,11 +11,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from gltf_samples import CUBE, CUBE_FACES, SAMPLES, UNIT
 
 from meshmark.io.document import Attributes
 from meshmark.io.gltf import parse_glb, parse_gltf
 from meshmark.io.gltf_new import convert_glb, convert_gltf
+from tests.io.gltf_samples import CUBE, CUBE_FACES, SAMPLES, UNIT
 
 TOOLS = Path(__file__).resolve().parents[2] / "tools"
 

@@ -15,7 +15,7 @@ from meshmark.report.segmentation import segmentation_picture
 from meshmark.report.view import three_quarter_view
 from meshmark.saliency import analyse
 from meshmark.segmentation import segment
-from shapes import sphere_with_a_spike
+from tests.shapes import sphere_with_a_spike
 
 RED, BLUE = [0.8, 0.02, 0.02], [0.02, 0.02, 0.8]
 

@@ -8,7 +8,7 @@ import pytest
 from meshmark.errors import InputError
 from meshmark.mesh import Mesh
 from meshmark.saliency import analyse
-from shapes import sphere_with_a_spike
+from tests.shapes import sphere_with_a_spike
 
 
 def test_torn_apart_triangles_give_the_same_answer_in_file_vertices() -> None:

@@ -6,7 +6,7 @@ from scipy.sparse.linalg import expm
 from meshmark.geometry.adjacency import adjacency, unique_edges
 from meshmark.geometry.areas import vertex_areas, vertex_normals
 from meshmark.saliency.nc_dgg import DIAGONAL, saliency
-from shapes import sphere_with_a_spike
+from tests.shapes import sphere_with_a_spike
 
 
 def test_distance_equals_the_sum_written_out_with_dense_matrices() -> None:

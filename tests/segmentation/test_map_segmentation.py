@@ -11,8 +11,8 @@ from meshmark.geometry.areas import vertex_areas
 from meshmark.mesh import Mesh
 from meshmark.segmentation import segment
 from meshmark.segmentation.map_segmentation import choose_seeds, default_regions, halves, map_regions
-from packed import read_packed
-from shapes import sphere_with_a_spike
+from tests.packed import read_packed
+from tests.shapes import sphere_with_a_spike
 
 ALL = ["models/train/horse_19851.off.xz", "models/train/open_spot_low_resolution.off.xz"]
 
