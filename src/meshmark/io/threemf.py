@@ -177,24 +177,34 @@ def parse_3mf(data: bytes, path: Path) -> ThreeMfDocument:
 
 def _showings(package: Package, parts: dict[str, ModelPart], main: str) -> list[tuple[Key, Affine]]:
     """Return the meshes with triangles that the build items show, in order; opens further parts."""
-    scale = Affine(np.eye(3) * parts[main].scale, np.zeros(3))
-    stack = [(main, use, scale, 0) for use in reversed(parts[main].items)]
-    found, visits = [], 0
+    found = []
+    maps = [Affine(np.eye(3) * parts[main].scale, np.zeros(3))]
+    for name, use, above in _uses(package, parts, main):
+        maps.append(maps[above].after(use.affine))
+        if not (np.isfinite(maps[-1].linear).all() and np.isfinite(maps[-1].offset).all()):
+            raise FormatError(f"{name}: a transform is beyond the range of floating point numbers")
+        mesh = parts[name].meshes.get(use.object_id)
+        if mesh is not None and len(mesh.faces) and maps[-1].is_usable:
+            found.append(((name, use.object_id), maps[-1]))
+    return found
+
+
+def _uses(package: Package, parts: dict[str, ModelPart], main: str) -> list[tuple[str, Use, int]]:
+    """Return all uses of objects, depth first: the part of the object, the use, and the number of the use above it.
+
+    They are numbered from 1; 0 is the build itself. Their number is judged here, before any of them costs more.
+    """
+    stack = [(main, use, 0, 0) for use in reversed(parts[main].items)]
+    found: list[tuple[str, Use, int]] = []
     while stack:
         home, use, above, depth = stack.pop()
-        visits += 1
         name = home if use.path is None else package.member(part_name(use.path)).filename
         part = parts.get(name) or parts.setdefault(name, open_model(name, package.read(name)))
         if use.object_id not in part.components:
             raise FormatError(f"{name} has no object {use.object_id!r}, which {home} refers to")
-        if visits > _MOST_USES or depth > sum(len(item.components) for item in parts.values()):
+        found.append((name, use, above))
+        if len(found) > _MOST_USES or depth > sum(len(item.components) for item in parts.values()):
             raise FormatError(f"{home}: its components contain themselves, or are more than {_MOST_USES:,}")
-        affine = above.after(use.affine)
-        if not (np.isfinite(affine.linear).all() and np.isfinite(affine.offset).all()):
-            raise FormatError(f"{name}: a transform is beyond the range of floating point numbers")
-        mesh = part.meshes.get(use.object_id)
-        if mesh is not None and len(mesh.faces) and affine.is_usable:
-            found.append(((name, use.object_id), affine))
         below: list[Use] = part.components[use.object_id]
-        stack += [(name, item, affine, depth + 1) for item in reversed(below)]
+        stack += [(name, item, len(found), depth + 1) for item in reversed(below)]
     return found
