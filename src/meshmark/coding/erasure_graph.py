@@ -85,6 +85,12 @@ class Graph:
         padded = np.zeros(self.segments * self.length, np.uint16)
         padded[: self.size] = message
         out[:, : self.length] = padded.reshape(self.segments, self.length)
+        return self.with_parities(out)
+
+    def with_parities(self, symbols: Symbols) -> Symbols:
+        """Return (n, total) intermediate symbols with their parities as the message symbols among them have it."""
+        out = symbols.copy()
+        out[:, self.length :] = 0
         parity, symbol = self.sparse_rows
         inner = symbol < self.length
         for row in out:

@@ -9,7 +9,7 @@ from meshmark.coding.erasure_belief import trust
 from meshmark.coding.erasure_graph import DENSE, Graph, mix
 from meshmark.mesh import IntArray
 
-__all__ = ["eliminate", "solve"]
+__all__ = ["eliminate", "peel", "solve"]
 
 SPARE = 24
 """Equations more than unknowns that are taken in the first place."""
@@ -43,8 +43,11 @@ def solve(graph: Graph, index: NDArray[np.uint32], value: Symbols, symbol_bits: 
 
 
 def _segment(graph: Graph, index: NDArray[np.uint32], value: Symbols, symbol_bits: int) -> Symbols | None:
-    """Return the intermediate symbols that most agree with: of the first, else of those most trusted."""
-    best, most = _taken(graph, index, value, np.arange(len(index))), 0.0
+    """Return the intermediate symbols that most agree with: peeled, of the first, else of those most trusted."""
+    best, most = peel(graph, index, value), 0.0
+    if best is not None and _agreeing(graph, best, index, value) >= AGREEING:
+        return best
+    best = _taken(graph, index, value, np.arange(len(index)))
     if best is not None:
         most = _agreeing(graph, best, index, value)
     if most >= AGREEING or len(index) < graph.length + 2:
@@ -88,6 +91,39 @@ def _equations(graph: Graph, index: NDArray[np.uint32], value: Symbols) -> tuple
     np.bitwise_xor.at(dense, (parities + row, symbol), 1)
     packed = np.packbits(dense, axis=1, bitorder="little").view("<u8").astype(np.uint64)
     return packed, np.concatenate([np.zeros(parities, np.uint16), value])
+
+
+def peel(graph: Graph, index: NDArray[np.uint32], value: Symbols) -> Symbols | None:
+    """Return the intermediate symbols (total,) where one equation after another has but one unknown left, else None.
+
+    That takes more symbols than elimination does, but far less time.
+    """
+    row, symbol = graph.edges(index)
+    parity, member = graph.sparse_rows
+    pair = np.concatenate([row * graph.total + symbol, (len(index) + parity) * graph.total + member])
+    pair, times = np.unique(pair, return_counts=True)
+    row, symbol = np.divmod(pair[times % 2 == 1], graph.total)
+    right = np.concatenate([value, np.zeros(graph.sparse, np.uint16)])
+    degree = np.bincount(row, minlength=len(right))
+    left = np.zeros(len(right), np.int64)
+    np.bitwise_xor.at(left, row, symbol)
+    order = np.argsort(symbol, kind="stable")
+    row, symbol = row[order], symbol[order]
+    start = np.searchsorted(symbol, np.arange(graph.total + 1))
+    found, known = np.zeros(graph.total, np.uint16), np.zeros(graph.total, bool)
+    ready = np.flatnonzero(degree == 1)
+    while len(ready):
+        new, first = np.unique(left[ready], return_index=True)
+        found[new], known[new] = right[ready[first]], True
+        length = start[new + 1] - start[new]
+        edge = np.repeat(start[new] - np.cumsum(length) + length, length) + np.arange(length.sum())
+        touched = row[edge]
+        np.subtract.at(degree, touched, 1)
+        np.bitwise_xor.at(left, touched, symbol[edge])
+        np.bitwise_xor.at(right, touched, found[symbol[edge]])
+        ready = np.unique(touched)
+        ready = ready[degree[ready] == 1]
+    return graph.with_parities(found[None])[0] if known[: graph.length].all() else None
 
 
 def eliminate(rows: Words, right: Symbols, unknowns: int) -> Symbols | None:

@@ -13,26 +13,19 @@ from meshmark.coding.keys import Key
 from meshmark.geometry.weld import Welded
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.schemes.ncdg_lv.authentication.candidates import (
-    HEADER,
     PAYLOAD,
     PLACE,
-    eligible,
-    joined,
 )
 from meshmark.schemes.ncdg_lv.authentication.placement import Evidence, in_place
-from meshmark.schemes.ncdg_lv.authentication.reading import chance_of, read_marks
-from meshmark.schemes.ncdg_lv.authentication.search import all_candidates, likeliest_setting
+from meshmark.schemes.ncdg_lv.authentication.reading import chance_of
+from meshmark.schemes.ncdg_lv.authentication.search import likeliest_setting
+from meshmark.schemes.ncdg_lv.authentication.sweep import sweep
 from meshmark.schemes.ncdg_lv.authentication.symbols import (
     directions,
     place_values,
-    read_header,
 )
-from meshmark.schemes.ncdg_lv.authentication.words import PURPOSE, bind
 
 __all__ = ["Checks", "check"]
-
-# A point counts as covered only where its ring could have had a mark by this much.
-_MARGIN = 1.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,29 +65,17 @@ def check(surface: Welded, key: Key, nonce: int | None = None) -> Checks:
     if setting is None:
         return _nothing(len(points))
     layout = setting.layout
-    subkey = key.subkey(PURPOSE)
-    found = joined(
-        [
-            all_candidates(points, group, shape, setting, subkey)
-            for group, shape in zip(rings, shapes, strict=True)
-        ]
-    )
-    if nonce is None:
-        header = found.take(found.kind == HEADER)
-        read = read_marks(header, bind(header, key, None), layout, None)
-        nonce = read_header(header.index[read.holds], read.symbol[read.holds], layout.symbol)
-        if nonce is None:
-            return _nothing(len(points))
-    read = read_marks(found, bind(found, key, nonce), layout, nonce)
+    swept = sweep(points, list(zip(rings, shapes, strict=True)), setting, key, nonce)
+    if swept is None:
+        return _nothing(len(points))
+    found, read = swept.found, swept.read
     passed = np.zeros(len(points), bool)
     passed[found.vertex[read.holds]] = True
     pairs = _pairs(rings, passed)
     whole = np.zeros(len(points), bool)
     whole[found.vertex[read.holds & ~read.torn]] = True
     torn = _torn(rings, found.vertex[read.torn], whole)
-    able = torn.copy()
-    for group, shape in zip(rings, shapes, strict=True):
-        able[group.vertex] |= eligible(shape, setting.unit, layout.levels, _MARGIN)
+    able = swept.able | torn
     place = read.holds & (found.kind == PLACE)
     evidence = Evidence(
         found.vertex[place],
@@ -111,7 +92,7 @@ def check(surface: Welded, key: Key, nonce: int | None = None) -> Checks:
         able,
         passed,
         _vouched(pairs, passed) & ~torn,
-        nonce,
+        swept.nonce,
         found.index[told],
         read.symbol[told].astype(np.uint16),
         found.vertex[told],

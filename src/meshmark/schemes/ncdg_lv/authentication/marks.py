@@ -29,11 +29,11 @@ from meshmark.schemes.ncdg_lv.authentication.candidates import (
     step_of,
 )
 from meshmark.schemes.ncdg_lv.authentication.parameters import (
-    DEVIATIONS,
     LAYOUTS,
     MARKS_NEEDED,
     PSNR_LEAST,
     PSNR_WANTED,
+    UNIT,
     Layout,
 )
 from meshmark.schemes.ncdg_lv.authentication.symbols import header_symbols, place_symbols
@@ -123,7 +123,7 @@ def _prepared(surface: Welded, key: Key, precision: float) -> tuple[Plan, Candid
     if not (np.isfinite(precision) and precision > 0.0):
         raise InputError(f"a precision of {precision:g} is out of range, expected a number above 0")
     points = surface.points
-    unit = 2.0 * DEVIATIONS / sqrt(3.0) * precision
+    unit = UNIT * precision
     radius = _frame(surface)[1]
     rings = ordered_rings(surface.faces, len(points))
     shapes = [ring_shapes(points, group) for group in rings]

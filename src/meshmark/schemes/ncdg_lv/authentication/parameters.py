@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import ceil
+from math import ceil, sqrt
 from typing import Final
 
 __all__ = [
     "ALTERNATIVES",
     "AMBIGUOUS",
-    "DEVIATIONS",
+    "FAR_AWAY",
     "HASH_STEP",
     "HASH_STEPS",
     "LAYOUTS",
@@ -20,6 +20,7 @@ __all__ = [
     "REACH",
     "SPREAD",
     "TOLERANCE",
+    "UNIT",
     "Layout",
 ]
 
@@ -57,9 +58,13 @@ LEVELS: Final = range(8, 39)
 REACH: Final = 0.6
 # Largest growth of an error in a ring that may carry a mark (`RingShapes.spread`): beyond are slivers.
 SPREAD: Final = 5.0
-# Half a step is so many standard deviations of the error of the mark's place, as the spread foretells it;
-# measured on the training models it is 0.7 of that at most, so half a step is 5.7 deviations.
-DEVIATIONS: Final = 4.3
+# The smallest step, in units of the largest error of a coordinate. Half of it is 4.3 standard deviations of the
+# error of the mark's place, as the spread foretells it; measured on the training models it is 0.7 of that at most,
+# so half a step is 5.7 deviations.
+UNIT: Final = 2.0 * 4.3 / sqrt(3.0)
+# The error of 32-bit floats, over the diagonal, when the model lies six diagonals from the origin: scaled down to a
+# seventh and moved away by one diagonal of before.
+FAR_AWAY: Final = 4.5e-7
 # The ring's hash takes its lengths in units of so many steps, but of no more than so many ring sizes.
 HASH_STEPS: Final = 32.0
 HASH_STEP: Final = 1.0 / 16.0

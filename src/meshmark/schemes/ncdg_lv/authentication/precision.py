@@ -7,6 +7,7 @@ import numpy as np
 from meshmark.errors import InputError
 from meshmark.io.save import conform
 from meshmark.mesh import Mesh
+from meshmark.schemes.ncdg_lv.authentication.parameters import FAR_AWAY
 
 __all__ = ["TOLERANCES", "precision_of"]
 
@@ -15,9 +16,6 @@ TOLERANCES = ("strict", "tolerant")
 _DECIMALS = 0.5e-6
 # Half the last place of 32-bit floats, relative.
 _FLOAT32 = 2.0**-24
-# The error of 32-bit floats, over the diagonal, when the model lies six diagonals from the origin: scaled down to a
-# seventh and moved away by one diagonal of before.
-_FAR_AWAY = 4.5e-7
 # Half the step of a grid of 16 bits, over the longest side.
 _GRID = 2.0**-17
 
@@ -36,7 +34,7 @@ def precision_of(mesh: Mesh, tolerance: str = "strict") -> float:
     farthest = float(np.abs(vertices).max())
     diagonal = float(np.linalg.norm(extent))
     own = _own(mesh, float(extent.max()))
-    strict = max(_DECIMALS, _FAR_AWAY * diagonal, 2.0 * _FLOAT32 * (farthest + diagonal), own)
+    strict = max(_DECIMALS, FAR_AWAY * diagonal, 2.0 * _FLOAT32 * (farthest + diagonal), own)
     if tolerance == "strict":
         return strict
     digits = 0.5 * 10.0 ** (np.ceil(np.log10(farthest)) - 6.0)

@@ -8,11 +8,12 @@ from math import log, log10
 import numpy as np
 from numpy.typing import NDArray
 
+from meshmark.coding.keys import Key
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.schemes.ncdg_lv.authentication.candidates import HEADER, Candidates
 from meshmark.schemes.ncdg_lv.authentication.parameters import LAYOUTS, LEVELS, Layout
 from meshmark.schemes.ncdg_lv.authentication.symbols import header_symbols
-from meshmark.schemes.ncdg_lv.authentication.words import symbols_at
+from meshmark.schemes.ncdg_lv.authentication.words import bind, symbols_at
 
 __all__ = ["Read", "chance_of", "read_marks"]
 
@@ -32,8 +33,8 @@ class Read:
     torn: NDArray[np.bool_]
 
 
-def read_marks(found: Candidates, bound: NDArray[np.uint64], layout: Layout, nonce: int | None) -> Read:
-    """Return which candidates are marks.
+def read_marks(found: Candidates, key: Key, layout: Layout, nonce: int | None) -> Read:
+    """Return which candidates are marks; those of headers alone where the nonce (the model's id) is unknown.
 
     Marks lie as near to whole places as the file's precision lets them; how near that is, the marks tell. What lies
     farther off holds by chance, or was moved by less than a step. A mark beside a boundary that would hold if there
@@ -42,23 +43,39 @@ def read_marks(found: Candidates, bound: NDArray[np.uint64], layout: Layout, non
     places = np.round(found.place)
     off = np.abs(found.place - places).max(axis=1)
     whole = places.astype(np.int64)
+    symbol = np.zeros(len(off), np.int64)
+    holds, torn = np.zeros(len(off), bool), np.zeros(len(off), bool)
+    last, window = -1.0, _WINDOW
+    while window > last:  # a narrow window first: few files need more
+        rows = np.flatnonzero((off > last) & (off <= window))
+        symbol[rows], holds[rows], torn[rows] = _read(found.take(rows), whole[rows], key, layout, nonce)
+        last = window
+        window = _WINDOW + _WINDOWS * float(np.median(off[holds])) if holds.any() else 1.0
+    holds &= off <= window
+    return Read(symbol, holds, off, torn & holds)
+
+
+def _read(
+    found: Candidates, whole: IntArray, key: Key, layout: Layout, nonce: int | None
+) -> tuple[IntArray, NDArray[np.bool_], NDArray[np.bool_]]:
+    """Return the symbols (c,) of whole places (c, 3), whether they hold, and whether only without a boundary."""
+    bound = bind(found, key, nonce)
     symbol, holds = symbols_at(whole, found.rim, bound, layout)
-    torn = np.zeros(len(off), bool)
+    torn = np.zeros(len(whole), bool)
     rows = np.flatnonzero((found.rim != 0) & ~holds)
     torn[rows] = symbols_at(whole[rows], np.zeros(len(rows), np.int64), bound[rows], layout)[1]
     holds |= torn
     if nonce is not None:
         header = found.kind == HEADER
         holds[header] &= symbol[header] == header_symbols(found.index[header], nonce, layout.symbol)
-    if holds.any():
-        holds &= off <= _WINDOW + _WINDOWS * float(np.median(off[holds]))
-    return Read(symbol, holds, off, torn & holds)
+    return symbol, holds, torn
 
 
 def chance_of(found: Candidates, holds: NDArray[np.bool_], layout: Layout) -> float:
     """Bound the chance that so many marks hold by luck, times all layouts and levels (Chernoff).
 
-    Points that lie alike in rings that are alike count once: their marks hold or fail together.
+    Points that lie alike in rings that are alike count once: their marks hold or fail together. How many are tried
+    depends on what holds, so all numbers of tries count.
     """
     cells = np.round(found.place).astype(np.int64).view(np.uint64) @ _MIX
     tries = found.words[:, 0] ^ cells
@@ -69,4 +86,4 @@ def chance_of(found: Candidates, holds: NDArray[np.bool_], layout: Layout) -> fl
         return 0.0
     rest = 0.0 if share >= 1.0 else (1.0 - share) * log((1.0 - share) / (1.0 - luck))
     nats = total * (share * log(share / luck) + rest)
-    return min(0.0, log10(len(LAYOUTS) * len(LEVELS)) - nats / log(10.0))
+    return min(0.0, log10(len(LAYOUTS) * len(LEVELS) * total) - nats / log(10.0))

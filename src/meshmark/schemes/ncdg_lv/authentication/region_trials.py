@@ -12,15 +12,14 @@ from numpy.typing import NDArray
 from meshmark.attacks import find_attack
 from meshmark.coding.keys import Key
 from meshmark.errors import MeshmarkError
-from meshmark.geometry.weld import weld
 from meshmark.mesh import FloatArray, Mesh
-from meshmark.schemes.ncdg_lv.authentication.examination import examine
+from meshmark.schemes.ncdg_lv.authentication.examination import Examination, examine
 from meshmark.schemes.ncdg_lv.authentication.region_evidence import region_evidence
 from meshmark.schemes.ncdg_lv.layers import embed
 from meshmark.segmentation.analysis import segment
 from meshmark.segmentation.map_segmentation import Regions
 
-__all__ = ["EDITS", "SHARES", "RegionTrial", "region_trials"]
+__all__ = ["EDITS", "SHARES", "Edited", "RegionTrial", "edited_models", "judged", "region_trials"]
 
 EDITS: Final = ("bump", "dent", "move_part", "delete_part", "replace_part")
 SHARES: Final = (0.005, 0.02, 0.05, 0.2)
@@ -43,14 +42,34 @@ class RegionTrial:
     altered: NDArray[np.bool_]
 
 
+@dataclass(frozen=True, eq=False)
+class Edited:
+    """A marked and then edited model: what its marks say, and which of its points (p,) were altered in truth."""
+
+    edit: str
+    share: float
+    mesh: Mesh
+    found: Examination
+    truth: NDArray[np.bool_]
+
+
 def region_trials(mesh: Mesh, rng: np.random.Generator, edits: int) -> Iterator[RegionTrial]:
     """Mark a model and yield it as it is and after `edits` different local edits.
 
     Raises what `embed` raises; an edit that the model does not take is passed over.
     """
+    for edited in edited_models(mesh, rng, edits):
+        map_ = segment(edited.mesh)
+        first = edited.found.surface.vertex_of_point
+        regions = Regions(map_.region[first], map_.green[first], map_.green_share, map_.blue_share)
+        yield judged(edited, regions)
+
+
+def edited_models(mesh: Mesh, rng: np.random.Generator, edits: int) -> Iterator[Edited]:
+    """Mark a model and yield it as it is and after `edits` different local edits; see `region_trials`."""
     key = Key(rng.bytes(32))
     marked = embed(mesh, key, id=int(rng.integers(1 << 62)), layers="authentication", payload="none").mesh
-    yield _trial("", 0.0, marked, np.zeros(len(marked.vertices), bool), key)
+    yield _edited("", 0.0, marked, np.zeros(len(marked.vertices), bool), key)
     ways = [(edit, share) for edit in EDITS for share in SHARES]
     for number in rng.permutation(len(ways))[:edits]:
         edit, share = ways[number]
@@ -59,18 +78,22 @@ def region_trials(mesh: Mesh, rng: np.random.Generator, edits: int) -> Iterator[
         except MeshmarkError:
             continue
         truth = np.zeros(len(made.mesh.vertices), bool) if made.altered is None else made.altered
-        yield _trial(edit, share, made.mesh, truth, key)
+        yield _edited(edit, share, made.mesh, truth, key)
 
 
-def _trial(edit: str, share: float, mesh: Mesh, truth: NDArray[np.bool_], key: Key) -> RegionTrial:
-    surface = weld(mesh)
+def _edited(edit: str, share: float, mesh: Mesh, truth: NDArray[np.bool_], key: Key) -> Edited:
     found = examine(mesh, key)
-    map_ = segment(mesh)
-    first = surface.vertex_of_point
-    regions = Regions(map_.region[first], map_.green[first], map_.green_share, map_.blue_share)
-    evidence = region_evidence(surface.faces, regions, found.checks, found.altered)
-    used = np.zeros(len(surface.points), bool)
-    used[surface.faces] = True
+    used = np.zeros(len(found.surface.points), bool)
+    used[found.surface.faces] = True
+    return Edited(edit, share, mesh, found, truth[found.surface.vertex_of_point] & used)
+
+
+def judged(edited: Edited, regions: Regions) -> RegionTrial:
+    """Return what the marks of an edited model say of the regions of a map of its points."""
+    found = edited.found
+    evidence = region_evidence(found.surface.faces, regions, found.checks, found.altered)
     cell = 2 * regions.region + ~regions.green
-    altered = np.bincount(cell[truth[first] & used], minlength=2 * len(evidence.home)).reshape(-1, 2) > 0
-    return RegionTrial(edit, share, evidence.features, evidence.log10_chance, evidence.home, altered)
+    altered = np.bincount(cell[edited.truth], minlength=2 * len(evidence.home)).reshape(-1, 2) > 0
+    return RegionTrial(
+        edited.edit, edited.share, evidence.features, evidence.log10_chance, evidence.home, altered
+    )

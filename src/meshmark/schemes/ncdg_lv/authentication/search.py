@@ -17,15 +17,20 @@ from meshmark.schemes.ncdg_lv.authentication.candidates import (
     joined,
     level_of,
 )
-from meshmark.schemes.ncdg_lv.authentication.parameters import LAYOUTS, LEVELS, Layout
+from meshmark.schemes.ncdg_lv.authentication.parameters import FAR_AWAY, LAYOUTS, LEVELS, UNIT, Layout
+from meshmark.schemes.ncdg_lv.authentication.reading import chance_of
 from meshmark.schemes.ncdg_lv.authentication.words import PURPOSE, bind, symbols_at
 
-__all__ = ["Setting", "all_candidates", "likeliest_setting"]
+__all__ = ["Setting", "all_candidates", "likeliest_setting", "plain_candidates"]
 
 # Points that are tried with every step; more where only one mark in eleven can be read, without the model's id.
 _SAMPLE, _SAMPLE_BLIND = 600, 2500
 # A ring this near (in levels) to where the level changes, or may change, is tried on both sides.
 _LEVEL_DOUBT = 0.05
+# Steps that are tried first: from a little below the finest that models get to eight times that, in levels. What
+# they tell is taken where so many marks hold by chance less often than this, and are that sure of the step.
+_LIKELY = range(-6, 2)
+_CLEAR_LOG10, _CLEAR = -6.0, 0.1
 
 
 @dataclass(frozen=True)
@@ -33,57 +38,98 @@ class Setting:
     """How marks were made, as a sample tells.
 
     unit: the smallest step over the spread, in scene units; doubt: how far off it may be, in levels.
-    layout: of the words; count: marks of the sample.
+    layout: of the words; count: marks of the sample. log10_chance: bound on that of so many by luck.
     """
 
     unit: float
     doubt: float
     layout: Layout
     count: int
+    log10_chance: float
 
 
 def likeliest_setting(
     points: FloatArray, rings: list[Rings], shapes: list[RingShapes], key: Key, nonce: int | None
 ) -> Setting | None:
-    """Return the step and layout under which most marks of a sample hold."""
+    """Return the step and layout under which most marks of a sample hold.
+
+    Steps that suit the surface's size are tried first, all others where they are not clearly right.
+    """
     total = sum(len(group.vertex) for group in rings)
     every = max(total // (_SAMPLE_BLIND if nonce is None else _SAMPLE), 1)
+    sample = [
+        (group.take(rows), shape.take(rows))
+        for group, shape in zip(rings, shapes, strict=True)
+        for rows in [np.arange(0, len(group.vertex), every)]
+    ]
+    if not sample:
+        return None
+    middles = np.concatenate([points[group.vertex] for group, _ in sample])
+    finest = UNIT * FAR_AWAY * float(np.linalg.norm(np.ptp(middles, axis=0)))
+    likely = [np.floor(level_of(shape, finest))[:, None] + np.array(_LIKELY) for _, shape in sample]
+    best = _best(points, sample, likely, key, nonce)
+    if best is not None and best.log10_chance <= _CLEAR_LOG10 and best.doubt <= _CLEAR:
+        return best
+    every_level = [np.tile(np.array(LEVELS), (len(group.vertex), 1)) for group, _ in sample]
+    return _best(points, sample, every_level, key, nonce)
+
+
+def _best(
+    points: FloatArray,
+    sample: list[tuple[Rings, RingShapes]],
+    levels: list[FloatArray],
+    key: Key,
+    nonce: int | None,
+) -> Setting | None:
+    """Return the likeliest setting of rings that are each tried with `levels` (r, k)."""
     subkey = key.subkey(PURPOSE)
     parts = []
-    for group, shape in zip(rings, shapes, strict=True):
-        rows = np.arange(0, len(group.vertex), every)
-        few, shaped = group.take(rows), shape.take(rows)
-        for level in LEVELS:
-            ways = candidates(points, few, shaped, np.full(len(rows), level), subkey, all_ways=False)
-            parts.append((level_of(shaped, 1.0) - level, ways))
-    if not parts:
-        return None
+    for (group, shape), level in zip(sample, levels, strict=True):
+        row, column = np.nonzero((level >= LEVELS[0]) & (level <= LEVELS[-1]))
+        tried = level[row, column].astype(np.int64)
+        shaped = shape.take(row)
+        ways = candidates(points, group.take(row), shaped, tried, subkey, all_ways=False)
+        parts.append((level_of(shaped, 1.0) - tried, ways))
     size = np.concatenate([part[0] for part in parts])
     found = joined([part[1] for part in parts])
     if nonce is None:
         size, found = size[found.kind == HEADER], found.take(found.kind == HEADER)
     bound = bind(found, key, nonce)
     places = np.round(found.place).astype(np.int64)
+    order = np.argsort(size)
     best: Setting | None = None
     for layout in LAYOUTS.values():
         _, holds = symbols_at(places, found.rim, bound, layout)
-        start, doubt, count = _densest(np.sort(size[holds]))
-        if best is None or count > best.count:
-            best = Setting(2.0 ** (start / 2.0), doubt, layout, count)
-    return best if best is not None and best.count else None
+        held = order[holds[order]]
+        first, last = _densest(size[held])
+        if last - first > (best.count if best is not None else 0):
+            latest, earliest = size[held[first]], size[held[last - 1]] - 1.0
+            middle, doubt = float(latest + earliest) / 2.0, float(latest - earliest) / 2.0
+            within = (size >= middle) & (size <= middle + 1.0)
+            chance = chance_of(found.take(within), holds[within], layout)
+            best = Setting(2.0 ** (middle / 2.0), doubt, layout, last - first, chance)
+    return best
 
 
-def _densest(values: FloatArray) -> tuple[float, float, int]:
-    """Return start, its uncertainty, and count of the interval of length 1 that holds most of the sorted values.
+def _densest(values: FloatArray) -> tuple[int, int]:
+    """Return which of the sorted values, first and last + 1, lie in the interval of length 1 that holds most.
 
     The interval may start anywhere between its last value less 1 and its first.
     """
     if not len(values):
-        return 0.0, 0.0, 0
+        return 0, 0
     counts = np.searchsorted(values, values + 1.0) - np.arange(len(values))
     best = int(counts.argmax())
-    latest, earliest = values[best], values[best + counts[best] - 1] - 1.0
-    return float(latest + earliest) / 2.0, float(latest - earliest) / 2.0, int(counts[best])
+    return best, best + int(counts[best])
+
+
+def plain_candidates(
+    points: FloatArray, rings: Rings, shapes: RingShapes, setting: Setting, subkey: bytes
+) -> Candidates:
+    """Return the one candidate of each ring that a file of full precision has."""
+    level = np.floor(level_of(shapes, setting.unit)).astype(np.int64)
+    rows = np.flatnonzero((level >= LEVELS[0]) & (level <= LEVELS[-1]))
+    return candidates(points, rings.take(rows), shapes.take(rows), level[rows], subkey, all_ways=False)
 
 
 def all_candidates(

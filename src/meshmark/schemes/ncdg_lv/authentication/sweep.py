@@ -1,0 +1,91 @@
+"""The sweep over all rings: the plain reading of each, then every other one where no mark vouches for a point."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshmark.carriers.rings import Rings
+from meshmark.carriers.rings_shape import RingShapes
+from meshmark.coding.keys import Key
+from meshmark.mesh import FloatArray
+from meshmark.schemes.ncdg_lv.authentication.candidates import HEADER, Candidates, eligible, joined
+from meshmark.schemes.ncdg_lv.authentication.reading import Read, read_marks
+from meshmark.schemes.ncdg_lv.authentication.search import Setting, all_candidates, plain_candidates
+from meshmark.schemes.ncdg_lv.authentication.symbols import read_header
+from meshmark.schemes.ncdg_lv.authentication.words import PURPOSE
+
+__all__ = ["Sweep", "sweep", "vouched"]
+
+# A point counts as covered only where its ring could have had a mark by this much.
+_MARGIN = 1.1
+_Parts = list[tuple[Rings, RingShapes]]
+
+
+@dataclass(frozen=True, eq=False)
+class Sweep:
+    """found: (c,) the candidates tried; read: what they say; nonce: the model's id, as given or as they tell.
+
+    able: (p,) points whose ring could carry a mark.
+    """
+
+    found: Candidates
+    read: Read
+    nonce: int
+    able: NDArray[np.bool_]
+
+
+def sweep(points: FloatArray, parts: _Parts, setting: Setting, key: Key, nonce: int | None) -> Sweep | None:
+    """Return what the rings of points (p, 3) say, None where no model's id is given or told.
+
+    A mark's plain reading may be off where a length was rounded across a boundary: then its ring has no voucher.
+    So all ways are tried for points without a voucher and for those next to them, which are few in an intact model.
+    """
+    able = np.zeros(len(points), bool)
+    for group, shape in parts:
+        able[group.vertex] = eligible(shape, setting.unit, setting.layout.levels, _MARGIN)
+    subkey = key.subkey(PURPOSE)
+    found = joined([plain_candidates(points, *part, setting, subkey) for part in parts])
+    held = np.zeros(len(points), bool)
+    told = _told(found, key, setting) if nonce is None else nonce
+    if told is not None:
+        read = read_marks(found, key, setting.layout, told)
+        held[found.vertex[read.holds & ~read.torn]] = True
+    again = _around(parts, able & ~vouched(parts, held))
+    if told is None or again.any():
+        rest = [
+            all_candidates(points, group.take(rows), shape.take(rows), setting, subkey)
+            for group, shape in parts
+            for rows in [np.flatnonzero(again[group.vertex])]
+        ]
+        found = joined([found.take(~again[found.vertex]), *rest])
+        told = _told(found, key, setting) if nonce is None else nonce
+        if told is None:
+            return None
+        read = read_marks(found, key, setting.layout, told)
+    return Sweep(found, read, told, able)
+
+
+def vouched(parts: _Parts, passed: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return (p,): which points are marks that hold, `passed` (p,), or in the ring of one."""
+    verified = passed.copy()
+    for group, _ in parts:
+        verified[group.around[passed[group.vertex]]] = True
+    return verified
+
+
+def _around(parts: _Parts, chosen: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return (p,): the chosen points and the middles of rings that hold one."""
+    around = chosen.copy()
+    for group, _ in parts:
+        around[group.vertex] |= chosen[group.around].any(axis=1)
+    return around
+
+
+def _told(found: Candidates, key: Key, setting: Setting) -> int | None:
+    """Return the model's id as the marks tell it."""
+    header = found.take(found.kind == HEADER)
+    read = read_marks(header, key, setting.layout, None)
+    return read_header(header.index[read.holds], read.symbol[read.holds], setting.layout.symbol)
