@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 
 import pytest
 
+from meshmark.benchmark.run import Finished, Plan, run
 from meshmark.benchmark.shapes import lopsided
 from meshmark.io import write_mesh
 from meshmark.mesh import Mesh
-from tests.benchmark import toy_schemes
+from tests.benchmark.runs import install
 
 NAMES = ("Toy", "Crashing", "Hanging", "Hungry", "Broken", "Short", "Informed")
 
@@ -19,12 +19,7 @@ NAMES = ("Toy", "Crashing", "Hanging", "Hungry", "Broken", "Short", "Informed")
 def outside(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder for PYTHONPATH in which a package is installed that registers the toy schemes."""
     folder = tmp_path_factory.mktemp("site-packages")
-    shutil.copy(toy_schemes.__file__, folder / "toy_schemes_of_elsewhere.py")
-    info = folder / "toy_schemes-1.0.dist-info"
-    info.mkdir()
-    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: toy-schemes\nVersion: 1.0\n")
-    points = "".join(f"{name.lower()} = toy_schemes_of_elsewhere:{name}\n" for name in NAMES)
-    (info / "entry_points.txt").write_text(f"[meshmark.schemes]\n{points}")
+    install(folder, NAMES)
     return folder
 
 
@@ -48,3 +43,12 @@ def models(tmp_path_factory: pytest.TempPathFactory) -> Path:
     write_mesh(Mesh(odd.vertices[:-1], odd.faces[kept]), folder / "test" / "deep" / "odd.off")
     write_mesh(tiny, folder / "tiny.obj")
     return folder
+
+
+@pytest.fixture(scope="session")
+def whole(models: Path, outside: Path, tmp_path_factory: pytest.TempPathFactory) -> Finished:
+    """An uninterrupted run of the toy on these models, with one worker."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(str(outside))
+        patch.setenv("PYTHONPATH", str(outside))
+        return run(Plan("smoke", models, tmp_path_factory.mktemp("whole"), ("toy",), workers=1))

@@ -2,53 +2,18 @@
 
 from __future__ import annotations
 
-import os
-import random
-import signal
 import subprocess
-import sys
-import time
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from meshmark.benchmark.marks import MARKED
 from meshmark.benchmark.run import Plan, run
-from meshmark.benchmark.store import NAME, Store
+from meshmark.benchmark.store import Store
 from meshmark.benchmark.suites import SUITES, cases
 from meshmark.errors import InputError, OutputError
-
-# Whatever else differs between two runs is a fault.
-CLOCKED = (
-    "file_seconds",
-    "embed_seconds",
-    "attack_seconds",
-    "extract_seconds",
-    "vertices_per_second",
-    "peak_mb",
-)
-DRIVER = """
-import sys
-from pathlib import Path
-from meshmark.benchmark.run import Plan, run
-if __name__ == "__main__":
-    run(Plan("smoke", Path(sys.argv[1]), Path(sys.argv[2]), ("toy",), workers=2))
-"""
-
-
-def numbers(rows):
-    return [replace(row, **dict.fromkeys(CLOCKED)) for row in rows]
-
-
-@pytest.fixture(scope="module")
-def whole(models, outside, tmp_path_factory):
-    """An uninterrupted run with one worker."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(str(outside))
-        patch.setenv("PYTHONPATH", str(outside))
-        return run(Plan("smoke", models, tmp_path_factory.mktemp("whole"), ("toy",), workers=1))
+from tests.benchmark.runs import driver, numbers, rows_in
 
 
 def test_a_scheme_from_outside_gets_a_row_for_each_case(whole, models):
@@ -203,10 +168,8 @@ def test_misfortune_is_a_row_and_harms_no_other(pair, tmp_path, scheme, status, 
 @pytest.mark.usefixtures("toys")
 def test_a_case_that_hangs_is_a_row_and_harms_no_other(pair, tmp_path, monkeypatch):
     # Workers come from a server with the environment of the first run, so this needs a process of its own.
-    limit = 20.0
-    driver = DRIVER.replace('("toy",), workers=2', f'("hanging",), workers=2, time_limit={limit}')
     monkeypatch.setenv("TOY_HUNG", str(tmp_path / "hung"))
-    command = [sys.executable, "-c", driver.replace("smoke", "speed"), str(pair), str(tmp_path / "out")]
+    command = driver("speed", pair, tmp_path / "out", "hanging", limit=20.0)
     subprocess.run(command, check=True, timeout=300)
     (lost,) = [row for row in rows_in(tmp_path / "out") if row.status != "ok"]
     assert (lost.case.model, lost.status, lost.note) == ("odd.off", "timeout", "took longer than 20 s")
@@ -236,103 +199,6 @@ def test_models_that_cannot_be_read_are_rows(models, tmp_path):
         assert len(torn) == 5
         assert {row.status for row in torn} == {"failed"}
         assert all(words in row.note for row in torn)
-
-
-def start(models, out, outside, seconds):
-    environment = {**os.environ, "PYTHONPATH": str(outside), "TOY_SECONDS": str(seconds)}
-    command = [sys.executable, "-c", DRIVER, str(models), str(out)]
-    return subprocess.Popen(command, env=environment, start_new_session=True, stderr=subprocess.PIPE)
-
-
-def gone(group, within=60.0):
-    """Whether every process of a group ends by itself."""
-    end = time.monotonic() + within
-    while time.monotonic() < end:
-        try:
-            os.killpg(group, 0)
-        except ProcessLookupError:
-            return True
-        time.sleep(0.05)
-    return False
-
-
-def rows_in(out):
-    if not (out / NAME).exists():
-        return []
-    with Store(out) as store:
-        return store.rows()
-
-
-def workers_of(group):
-    """Return the processes that judge cases: children of the server that the first process of the group started."""
-    found = []
-    for path in Path("/proc").glob("[0-9]*/stat"):
-        try:
-            pid, rest = path.read_text().split(" ", 1)
-        except OSError:
-            continue
-        _, parent, own_group = rest.rpartition(")")[2].split()[:3]
-        if int(own_group) == group and int(pid) != group and int(parent) != group:
-            found.append(int(pid))
-    return found
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
-def test_a_killed_run_leaves_no_process_and_goes_on_where_it_was(models, outside, whole, tmp_path):
-    chance = random.Random(7)
-    before = []
-    for _ in range(2):
-        process = start(models, tmp_path, outside, 0.1)
-        deadline, aim = time.monotonic() + 120, len(before) + chance.randint(1, 9)
-        while time.monotonic() < deadline and process.poll() is None and count(tmp_path) < aim:
-            time.sleep(0.01)
-        time.sleep(chance.uniform(0, 0.1))
-        process.kill()
-        process.communicate()
-        assert gone(process.pid), "a worker outlived the run"
-        rows = rows_in(tmp_path)
-        assert set(before) <= set(rows), "a finished case was repeated"
-        assert len(rows) < len(whole.rows)
-        before = rows
-    assert before
-    process = start(models, tmp_path, outside, 0)
-    assert process.communicate()[1] == b""
-    assert process.returncode == 0
-    after = rows_in(tmp_path)
-    assert set(before) <= set(after)
-    assert numbers(after) == numbers(whole.rows)
-    assert not list((tmp_path / MARKED).glob("*.tmp"))
-
-
-def count(out):
-    """Return how many rows there are while another process writes them."""
-    import sqlite3
-
-    try:
-        base = sqlite3.connect(f"file:{out / NAME}?mode=ro", uri=True, timeout=0.1)
-    except sqlite3.Error:
-        return 0
-    try:
-        return base.execute("SELECT count(*) FROM rows").fetchone()[0]
-    except sqlite3.Error:
-        return 0
-    finally:
-        base.close()
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
-def test_killed_workers_are_replaced_and_their_cases_done(models, outside, whole, tmp_path):
-    process = start(models, tmp_path, outside, 0.05)
-    killed = 0
-    while killed < 3 and process.poll() is None:
-        workers = workers_of(process.pid) if count(tmp_path) > 6 * killed else []
-        for pid in workers[:1]:
-            os.kill(pid, signal.SIGKILL)
-            killed += 1
-        time.sleep(0.02)
-    assert process.communicate(timeout=300)[1] == b""
-    assert killed == 3
-    assert numbers(rows_in(tmp_path)) == numbers(whole.rows)
 
 
 def test_every_suite_reads_marked_and_lists_its_cases_once():

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import shutil
 import signal
 import subprocess
 import sys
@@ -16,22 +15,14 @@ import pytest
 from meshmark.benchmark.shapes import lopsided
 from meshmark.benchmark.suites import SUITES, cases
 from meshmark.io import write_mesh
-
-TOYS = Path(__file__).parents[1] / "benchmark" / "toy_schemes.py"
+from tests.benchmark.runs import ended, install
 
 
 @pytest.fixture(scope="module")
 def elsewhere(tmp_path_factory):
     """A folder with an installed package that registers a scheme, and one with a model."""
     packages, models = (tmp_path_factory.mktemp(name) for name in ("packages", "models"))
-    (packages / "toys-1.0.dist-info").mkdir()
-    shutil.copy(TOYS, packages / "somebody_elses.py")
-    (packages / "toys-1.0.dist-info" / "METADATA").write_text(
-        "Metadata-Version: 2.1\nName: toys\nVersion: 1.0\n"
-    )
-    (packages / "toys-1.0.dist-info" / "entry_points.txt").write_text(
-        "[meshmark.schemes]\ntoy = somebody_elses:Toy\n"
-    )
+    install(packages, ["Toy"])
     write_mesh(lopsided(36), models / "pebble.ply")
     return packages, models
 
@@ -77,18 +68,6 @@ def test_an_interrupted_run_says_what_is_kept_and_leaves_no_process(elsewhere, t
     assert out == ""
     assert err == f"meshmark: what is done is kept in {tmp_path}; the same command goes on from there\n"
     assert ended(process.pid)
-
-
-def ended(group):
-    """Whether every process of a group ends by itself."""
-    deadline = time.monotonic() + 60
-    while time.monotonic() < deadline:
-        try:
-            os.killpg(group, 0)
-        except ProcessLookupError:
-            return True
-        time.sleep(0.05)
-    return False
 
 
 @pytest.mark.parametrize(
