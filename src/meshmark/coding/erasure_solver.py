@@ -94,7 +94,7 @@ def _equations(graph: Graph, index: NDArray[np.uint32], value: Symbols) -> tuple
 
 
 def peel(graph: Graph, index: NDArray[np.uint32], value: Symbols) -> Symbols | None:
-    """Return the intermediate symbols (total,) where one equation after another has but one unknown left, else None.
+    """Return the intermediate symbols (total,) where one equation after another has one unknown left, else None.
 
     That takes more symbols than elimination does, but far less time.
     """

@@ -14,13 +14,13 @@ from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["assign", "balanced_weights"]
 
-CONDENSED = 12_000
+CONDENSED = 6_000
 """Above this many points the weights are first solved on groups of neighbouring points."""
 CHUNK = 1 << 15
 """Points whose distances to all seeds are held in memory at a time."""
 COOLING = 0.3
 NEWTON_STEPS = 8
-POLISHING_STEPS = 12
+POLISHING_STEPS = 24
 FAIR = 1.001
 """Largest share over mean share at which polishing stops."""
 
@@ -73,11 +73,17 @@ def _anneal(points: FloatArray, masses: FloatArray, seeds: FloatArray) -> tuple[
     coldest = temperature * 0.1 / np.sqrt(len(points))  # about the step in cost from one point to the next
     stiffness = np.zeros((len(seeds), len(seeds)))
     while True:
+        value, shares = _soft_value(cost, masses, weights, temperature)
         for _ in range(NEWTON_STEPS):
-            value, excess, stiffness = _dual(cost, masses, weights, temperature)
-            step = stiffness @ excess
-            weights, moved = _line_search(cost, masses, weights, step, temperature, value)
-            if not moved or np.abs(excess).max() * len(seeds) < 1e-3:
+            excess, stiffness = _derivatives(shares, masses, temperature)
+            before = weights
+            for halving in range(8):  # the longest of a few steps that lowers the dual function
+                tried = before - stiffness @ excess * 0.5**halving
+                lower, tried_shares = _soft_value(cost, masses, tried, temperature)
+                if lower < value:
+                    weights, value, shares = tried, lower, tried_shares
+                    break
+            if weights is before or np.abs(excess).max() * len(seeds) < 1e-3:
                 break
         if temperature <= coldest:
             return weights, stiffness
@@ -97,32 +103,13 @@ def _soft_value(
     return value, shares
 
 
-def _dual(
-    cost: FloatArray, masses: FloatArray, weights: FloatArray, temperature: float
-) -> tuple[float, FloatArray, FloatArray]:
-    """Return value, gradient (excess of mass in each cell) and inverse Hessian of the dual function."""
-    value, shares = _soft_value(cost, masses, weights, temperature)
+def _derivatives(shares: FloatArray, masses: FloatArray, temperature: float) -> tuple[FloatArray, FloatArray]:
+    """Return gradient (excess of mass in each cell) and inverse Hessian of the dual function."""
     held = masses @ shares
     hessian = (np.diag(held) - (shares * masses[:, None]).T @ shares) / temperature
-    hessian += np.eye(len(weights)) * max(1e-9, 1e-6 * float(np.trace(hessian)) / len(weights))
+    hessian += np.eye(len(held)) * max(1e-9, 1e-6 * float(np.trace(hessian)) / len(held))
     stiffness = np.linalg.inv(hessian).astype(np.float64)
-    return value, held - 1.0 / len(weights), stiffness
-
-
-def _line_search(
-    cost: FloatArray,
-    masses: FloatArray,
-    weights: FloatArray,
-    step: FloatArray,
-    temperature: float,
-    value: float,
-) -> tuple[FloatArray, bool]:
-    """Return the weights after the longest of a few halved steps that lowers the dual function."""
-    for halving in range(8):
-        tried = weights - step * 0.5**halving
-        if _soft_value(cost, masses, tried, temperature)[0] < value:
-            return tried, True
-    return weights, False
+    return held - 1.0 / len(held), stiffness
 
 
 def _polish(
@@ -130,8 +117,12 @@ def _polish(
 ) -> FloatArray:
     """Return the best weights seen while sharp cells of all points are balanced with the last Hessian."""
     best, best_peak, damping = weights, np.inf, 1.0
+    start, home, lead = weights, *_cells_and_lead(points, seeds, weights)
     for _ in range(POLISHING_STEPS):
-        held = np.bincount(assign(points, seeds, weights), weights=masses, minlength=len(seeds))
+        loose = np.flatnonzero(lead <= 2.1 * np.abs(weights - start).max())  # the others stay in their cells
+        cells = home.copy()
+        cells[loose] = assign(points[loose], seeds, weights)
+        held = np.bincount(cells, weights=masses, minlength=len(seeds))
         peak = float(held.max()) * len(seeds)
         if peak < best_peak:
             best, best_peak, excess = weights, peak, held - 1.0 / len(seeds)
@@ -141,3 +132,16 @@ def _polish(
             break
         weights = best - damping * (stiffness @ excess)
     return best
+
+
+def _cells_and_lead(
+    points: FloatArray, seeds: FloatArray, weights: FloatArray
+) -> tuple[IntArray, FloatArray]:
+    """Return (p,) each: as `assign` does, and by how much the next seed is worse."""
+    cells, lead = assign(points, seeds, weights), np.full(len(points), np.inf)
+    if len(seeds) > 1:
+        level = np.einsum("ij,ij->i", seeds, seeds) - weights
+        for first in range(0, len(points), CHUNK):
+            least = np.partition(level - 2.0 * (points[first : first + CHUNK] @ seeds.T), 1, axis=1)
+            lead[first : first + CHUNK] = least[:, 1] - least[:, 0]
+    return cells, lead
