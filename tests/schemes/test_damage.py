@@ -9,10 +9,8 @@ from meshmark.attacks import parse_chain
 from meshmark.coding.keys import Key
 from meshmark.mesh import Mesh
 from meshmark.schemes.ncdg_lv import embed, extract
+from tests.keys import ID, KEY
 from tests.shapes import pebble
-
-KEY = Key(bytes(range(32)))
-ID = 0x0123456789ABCDEF
 
 
 @pytest.fixture(scope="module")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -10,18 +12,18 @@ from meshmark.coding.keys import Key
 from meshmark.errors import CapacityError, InputError
 from meshmark.geometry.frame import canonical_frame
 from meshmark.mesh import Mesh
-from meshmark.schemes.ncdg_lv import embed, extract
+from meshmark.schemes.ncdg_lv import embed as embed_layers
+from meshmark.schemes.ncdg_lv import extract
 from meshmark.schemes.ncdg_lv.embedding import embed as embed_ownership
 from meshmark.schemes.ncdg_lv.parameters import BUDGETS
+from meshmark.schemes.ncdg_lv.results import Embedding
+from tests.keys import ID, KEY, OTHER
 from tests.shapes import pebble
 
-KEY, OTHER = Key(bytes(range(32))), Key(bytes(32))
-ID = 0x0123456789ABCDEF
 
-
-@pytest.fixture(scope="module")
-def model() -> Mesh:
-    return Mesh(*pebble())
+def embed(mesh: Mesh, key: Key, **options: Any) -> Embedding:
+    """Embed the ownership layer alone, unless other layers are asked for; None for those there is room for."""
+    return embed_layers(mesh, key, **{"layers": "ownership", **options})
 
 
 @pytest.fixture(scope="module")
@@ -89,7 +91,7 @@ def test_same_input_same_key_same_output_and_input_unchanged(model, marked):
 def test_coincident_vertices_stay_coincident(model):
     corners = model.vertices[model.faces].reshape(-1, 3)
     soup = Mesh(corners, np.arange(len(corners)).reshape(-1, 3))
-    result = embed(soup, KEY, id=ID)
+    result = embed(soup, KEY, id=ID, layers="both", payload="none")
     order = model.faces.ravel()
     first = np.full(len(model.vertices), -1)
     first[order[::-1]] = np.arange(len(order))[::-1]
@@ -99,7 +101,8 @@ def test_coincident_vertices_stay_coincident(model):
 
 def test_vertices_outside_the_surface_do_not_move(model):
     extra = np.array([[9.0, 9.0, 9.0], [-0.0, 0.0, 7.0]])
-    result = embed(Mesh(np.concatenate([extra, model.vertices]), model.faces + 2), KEY, id=ID)
+    more = Mesh(np.concatenate([extra, model.vertices]), model.faces + 2)
+    result = embed(more, KEY, id=ID, layers=None)
     assert result.mesh.vertices[:2].tobytes() == extra.tobytes()
 
 
@@ -134,14 +137,14 @@ def test_a_reserve_beyond_the_budget_is_refused(model):
 
 def test_a_stray_vertex_does_not_stretch_the_budget(model):
     far = Mesh(np.concatenate([model.vertices, [[1e6, 0.0, 0.0]]]), model.faces)
-    result = embed(far, KEY, id=ID)
+    result = embed(far, KEY, id=ID, layers=None)
     moved = np.sqrt(((result.mesh.vertices[:-1] - model.vertices) ** 2).sum(axis=1).mean())
     assert moved <= BUDGETS["standard"] * np.linalg.norm(np.ptp(model.vertices, axis=0))
 
 
 @pytest.mark.parametrize("scale", [1e-80, 1e80])
 def test_any_unit_will_do(model, scale):
-    result = embed(Mesh(model.vertices * scale, model.faces), KEY, id=ID)
+    result = embed(Mesh(model.vertices * scale, model.faces), KEY, id=ID, layers=None)
     assert extract(result.mesh, KEY).id == ID
 
 

@@ -5,20 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from meshmark.coding.keys import Key
 from meshmark.errors import CapacityError, InputError
 from meshmark.mesh import Mesh
 from meshmark.schemes.ncdg_lv import authenticate, embed, extract
 from meshmark.schemes.ncdg_lv.parameters import BUDGETS
+from tests.keys import ID, KEY, OTHER
 from tests.shapes import pebble
-
-KEY, OTHER = Key(bytes(range(32))), Key(bytes(32))
-ID = 0x0123456789ABCDEF
-
-
-@pytest.fixture(scope="module")
-def model() -> Mesh:
-    return Mesh(*pebble())
 
 
 @pytest.fixture(scope="module")
@@ -46,6 +38,14 @@ def test_both_layers_together_keep_the_budget(model, strength):
     assert result.rms_over_diagonal == pytest.approx(share)
     assert result.payload_bytes == 0
     assert extract(result.mesh, KEY).id == ID
+
+
+def test_same_input_same_key_same_output(model, both):
+    np.testing.assert_array_equal(embed(model, KEY, id=ID).mesh.vertices, both.mesh.vertices)
+
+
+def test_marking_both_again_still_reads(both):
+    assert extract(embed(both.mesh, KEY, id=ID).mesh, KEY).id == ID
 
 
 def test_ownership_alone_is_not_authenticated_and_its_certificate_says_so(model):

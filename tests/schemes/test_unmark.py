@@ -13,9 +13,8 @@ from meshmark.geometry.areas import vertex_normals
 from meshmark.mesh import Mesh
 from meshmark.schemes.ncdg_lv.certificate import Certificate, certify
 from meshmark.schemes.ncdg_lv.undo import FIELD, unmark, with_undo
+from tests.keys import KEY
 from tests.shapes import pebble
-
-KEY = Key(bytes(range(32)))
 
 
 def diagonal(mesh: Mesh) -> float:
