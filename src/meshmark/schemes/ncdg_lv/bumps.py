@@ -1,7 +1,9 @@
 """Smooth displacement fields that move many cells' offsets, and the frame, by chosen amounts.
 
-Displacements go along vertex normals, d = W^-1 J' x with J the gradient of offsets and frame moments and W the
-vertex areas: of all fields with that effect the one of least energy, a sum of smooth bumps under the windows.
+Displacements go along vertex normals, d = P D^-1 P' J' x with J the gradient of offsets and frame moments, P the
+B-splines of a grid finer than the lattice and D the surface under each: a sum of smooth bumps under the windows.
+Without P it would be the field of least energy, d = W^-1 J' x with W the vertex areas, whose kinks show
+(docs/decisions/0011).
 """
 
 from __future__ import annotations
@@ -16,6 +18,7 @@ from meshmark.geometry.areas import area_vectors, vertex_areas_and_normals
 from meshmark.geometry.frame import surface_moments
 from meshmark.geometry.open_edges import sample_open_edges
 from meshmark.geometry.sampling import Sampler, Samples
+from meshmark.geometry.splines import spline_weights
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.schemes.ncdg_lv.parameters import LONGEST_SAMPLE
 
@@ -34,6 +37,8 @@ LEAST_FREEDOM = 0.05
 # budget and show as a dent: it is left as it is, one wrong bit at worst half the time, which the code repairs.
 DEAREST = 6.0
 RIDGE = 1e-9
+# Knots of the B-splines, in spacings: a wider grid makes smoother bumps, which take more of the budget.
+PITCH = 0.375
 
 
 def frame_values(points: FloatArray, faces: IntArray) -> FloatArray:
@@ -90,7 +95,7 @@ def _area_growth(
 
 
 class Bumps:
-    """The least-energy displacements for n cells of one surface.
+    """The smooth displacements for n cells of one surface.
 
     Lengths are in lattice coordinates, changes of frame values in canonical units, of offsets in spacings.
     normals: (p, 3) in lattice axes.
@@ -108,14 +113,12 @@ class Bumps:
         frame = frame_gradient(lattice.points(placed), faces, self.normals @ lattice.axes)
         steep = np.abs(frame).max(axis=0) * areas.sum() / STEEPEST
         weights = np.maximum(np.maximum(areas, LEAST_AREA * areas.mean()), steep) / areas.mean()
-        frame *= lattice.spacing
-        self._frame, self._offsets = frame / weights, sp.csr_array(offsets.multiply(1.0 / weights[None, :]))
-        gram = np.block(
-            [
-                [self._frame @ frame.T, (self._offsets @ frame.T).T],
-                [self._offsets @ frame.T, (self._offsets @ offsets.T).toarray()],
-            ]
-        )
+        self._splines = spline_weights(placed, PITCH)
+        gradient = sp.vstack([sp.csr_array(lattice.spacing * frame), offsets], format="csr")
+        onto = sp.csr_array(self._splines.T @ gradient.T)
+        under = self._splines.T @ weights
+        self._heights = sp.csr_array(onto.multiply(1.0 / under[:, None]))
+        gram = (onto.T @ self._heights).toarray()
         rows = _independent(gram, FRAME_ROWS)
         inverse = _inverse(gram, rows)
         if len(rows) > FRAME_ROWS:
@@ -124,7 +127,7 @@ class Bumps:
             inverse = _inverse(gram, rows)
         self.free = np.zeros(len(cells.nodes), dtype=bool)
         self.free[rows[FRAME_ROWS:] - FRAME_ROWS] = True
-        self._offsets = self._offsets[self.free]
+        self._heights = self._heights[:, np.concatenate([np.full(FRAME_ROWS, True), self.free])]
         self._inverse = inverse
         self._frame_inverse = la.pinvh(gram[:FRAME_ROWS, :FRAME_ROWS], rtol=RIDGE)
         self.cost = inverse[FRAME_ROWS:, FRAME_ROWS:]
@@ -132,14 +135,14 @@ class Bumps:
     def displacement(self, frame: FloatArray, offsets: FloatArray) -> FloatArray:
         """Return (p,) lengths along the normals that change the frame values (9,) and free offsets (f,) so."""
         amounts = self._inverse @ np.concatenate([frame, offsets])
-        return np.asarray(amounts[:FRAME_ROWS] @ self._frame + self._offsets.T @ amounts[FRAME_ROWS:])
+        return np.asarray(self._splines @ (self._heights @ amounts))
 
     def settle(self, frame: FloatArray) -> FloatArray:
         """Return (p,) lengths that change the frame values (9,) so; offsets may follow.
 
         A gentle bend of the whole, where holding every offset as well would push at the few places without cells.
         """
-        return np.asarray((self._frame_inverse @ frame) @ self._frame)
+        return np.asarray(self._splines @ (self._heights[:, :FRAME_ROWS] @ (self._frame_inverse @ frame)))
 
 
 def _border_part(points: FloatArray, faces: IntArray, normals: FloatArray, cells: Cells) -> sp.csr_array:
