@@ -1,4 +1,4 @@
-"""The kinds of work of a benchmark: look at a model, mark it, judge a case; and what each needs done first."""
+"""The kinds of work of a benchmark: look, mark, judge a case, probe; and what each needs done first."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from meshmark.attacks.chain import parse_chain
 from meshmark.benchmark.row import Case
 from meshmark.benchmark.suites import SUITES
 
-__all__ = ["Job", "Look", "Mark", "Outcome", "mark_of", "marks_of", "needs"]
+__all__ = ["Job", "Look", "Mark", "Outcome", "Probe", "mark_of", "marks_of", "model_of", "needs"]
 
 
 @dataclass(frozen=True, order=True)
@@ -36,12 +36,21 @@ class Mark:
     donor: bool = False
 
 
-Job = Look | Mark | Case
+@dataclass(frozen=True, order=True)
+class Probe:
+    """Measure something of a model that is no reading of a scheme: `kind` is a name in `probes.PROBES`."""
+
+    kind: str
+    model: str
+    seed: int
+
+
+Job = Look | Mark | Probe | Case
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """How a job ended: a status of `Row` with its sentence, and the fields of `Row` it fills."""
+    """How a job ended: a status of `Row` with its sentence, and the fields of `Row` it fills, or a probe's own."""
 
     status: str
     note: str = ""
@@ -70,9 +79,14 @@ def needs(job: Job) -> list[Job]:
     """Return the jobs that must have ended well before this one."""
     if isinstance(job, Look):
         return []
-    if isinstance(job, Mark):
-        return [Look(job.owner)]
+    if isinstance(job, Mark | Probe):
+        return [Look(model_of(job))]
     return [Look(job.model), *marks_of(job)]
+
+
+def model_of(job: Job) -> str:
+    """Return the model that a job works on."""
+    return job.owner if isinstance(job, Mark) else job.model
 
 
 def _variant(mark: Mark, number: int, donor: bool = False) -> Mark:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from math import log10
 from pathlib import Path
 from time import perf_counter
 from typing import Any
 
 import numpy as np
 
-from meshmark.attacks.attack import Given
+from meshmark.attacks.attack import Attacked, Given
 from meshmark.attacks.chain import parse_chain
 from meshmark.benchmark.job import Mark, Outcome, mark_of, marks_of
 from meshmark.benchmark.marking import key_of, original, payload_of
@@ -20,6 +21,7 @@ from meshmark.coding.keys import Key
 from meshmark.errors import InputError
 from meshmark.mesh import Mesh
 from meshmark.metrics.bits import ber, correlation, recovered
+from meshmark.metrics.psnr import psnr_db
 from meshmark.schemes import SCHEMES
 from meshmark.schemes.scheme import Bits, Readout, Scheme
 
@@ -42,8 +44,8 @@ def judge(data: Path, out: Path, case: Case) -> Outcome:
     suspect = held[main] if main in held else Mesh(whole.vertices, whole.faces)
     rng = generator_for("attack", case.seed, case.model, case.attack, case.repeat)
     start = perf_counter()
-    attacked = chain(suspect, rng, _given(case, held, scheme))
-    attack_seconds = perf_counter() - start
+    made = chain.apply(suspect, rng, _given(case, held, scheme))
+    attacked, attack_seconds = made.mesh, perf_counter() - start
 
     key = key_of(main) if case.trial != "wrong key" else _stranger(case, "wrong key")
     reference = None if scheme.blind else _reference(data, out, main, main in held)
@@ -57,7 +59,20 @@ def judge(data: Path, out: Path, case: Case) -> Outcome:
         "extract_seconds": seconds,
         "vertices_per_second": len(attacked.vertices) / seconds,
     }
+    figures["attacked_psnr_db"] = _attacked_psnr_db(whole, made)
     return Outcome("ok", figures={**figures, **times})
+
+
+def _attacked_psnr_db(whole: Mesh, made: Attacked) -> float | None:
+    """Return the PSNR of what is left of the original's vertices; None where nothing tells which they are."""
+    if made.origin is None or not (made.origin >= 0).any():
+        return None
+    kept = made.origin >= 0
+    origin = made.origin[kept]
+    vertices, left = whole.vertices.copy(), np.zeros(len(whole.vertices), bool)
+    vertices[origin], left[origin] = made.mesh.vertices[kept], True
+    # vertices that are gone count as unmoved there, so their share is taken off the mean
+    return psnr_db(Mesh(whole.vertices, whole.faces), Mesh(vertices, whole.faces)) + 10.0 * log10(left.mean())
 
 
 @lru_cache(maxsize=_KEPT)

@@ -24,6 +24,7 @@ __all__ = [
     "load_shipped",
     "size_class",
     "split_of",
+    "spread",
     "write_shipped",
 ]
 
@@ -70,17 +71,20 @@ def choose(folder: Path, models: Sequence[str], limit: int | None) -> list[str]:
 
     A larger limit only adds models (the order is van der Corput's sequence). The result is sorted by name.
     """
-    if limit is None or limit >= len(models):
-        return sorted(models)
-    if limit < 1:
+    if limit is not None and limit < 1:
         raise InputError(f"the limit is {limit}, expected at least 1 model")
+    return sorted(spread(folder, models)[:limit])
+
+
+def spread(folder: Path, models: Sequence[str]) -> list[str]:
+    """Return all models in such an order that any first few are spread over sizes; see `choose`."""
     by_size = sorted(models, key=lambda model: ((folder / model).stat().st_size, model))
     chosen: dict[str, None] = {}
     for place in _halves():
-        chosen[by_size[int(place * len(by_size))]] = None
-        if len(chosen) == limit:
+        if len(chosen) == len(by_size):
             break
-    return sorted(chosen)
+        chosen[by_size[int(place * len(by_size))]] = None
+    return list(chosen)
 
 
 def _halves() -> Iterator[float]:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from meshmark.benchmark.aggregate import robustness
 from meshmark.benchmark.csv_files import results_csv, summary_csv
 from meshmark.benchmark.drawing import has_matplotlib, legend
 from meshmark.benchmark.facts import Facts
+from meshmark.benchmark.job import Outcome, Probe
 from meshmark.benchmark.layout import Plot
 from meshmark.benchmark.markdown import markdown
 from meshmark.benchmark.page import page
@@ -22,7 +23,9 @@ __all__ = ["write_reports"]
 _PICTURES = "plots"
 
 
-def write_reports(rows: Sequence[Row], facts: Facts, folder: Path) -> list[Path]:
+def write_reports(
+    rows: Sequence[Row], facts: Facts, folder: Path, probes: Mapping[Probe, Outcome] | None = None
+) -> list[Path]:
     """Write the reports into a folder and return the paths of report.html, report.md, results.csv, summary.csv.
 
     The pictures of report.md go to the folder plots, as SVG; without matplotlib (`pip install meshmark[bench]`) the
@@ -32,8 +35,9 @@ def write_reports(rows: Sequence[Row], facts: Facts, folder: Path) -> list[Path]
     ordered = sorted(rows, key=lambda row: row.case)
     title = f"meshmark bench {facts.suite}"
     drawn = plots(ordered) if has_matplotlib() else {}
-    parts = sections(ordered, facts, drawn)
-    for name, svg in _pictures([plot for group in drawn.values() for plot in group]):
+    parts = sections(ordered, facts, drawn, probes)
+    shown = [part for section in parts for part in section.parts if isinstance(part, Plot)]
+    for name, svg in _pictures(shown):
         _write(folder / _PICTURES / f"{name}.svg", svg + "\n")
     texts = {
         "report.html": page(title, parts, facts),

@@ -45,6 +45,8 @@ class Row:
     note:    one sentence where the status is not "ok".
     points:  different points of the model; size_class: as in the data's README; split: "train", "test" or "".
     Distortion of the marked model against the original: rms_over_diagonal ... normal_deviation_deg.
+    attacked_psnr_db: of the attacked marked model against the original, over the vertices that are left of it, as
+             they stand (nothing is turned back); None where the attack makes a new surface.
     ber, correlation: of the payload (after collusion: of the colluder's that is nearest to what was read; of a
              forged mark: the donor's); raw_ber: of the carriers before error correction, where the scheme tells.
     present: the scheme says a mark is there; recovered: present and every bit right.
@@ -68,6 +70,7 @@ class Row:
     paper_psnr_db: float | None = None
     msdm2: float | None = None
     normal_deviation_deg: float | None = None
+    attacked_psnr_db: float | None = None
     ber: float | None = None
     raw_ber: float | None = None
     correlation: float | None = None

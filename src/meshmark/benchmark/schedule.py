@@ -5,26 +5,26 @@ from __future__ import annotations
 import heapq
 from collections.abc import Iterable, Mapping
 
-from meshmark.benchmark.job import Job, Outcome, needs
+from meshmark.benchmark.job import Job, Outcome, Probe, needs
 from meshmark.benchmark.row import Case
 
 __all__ = ["Schedule"]
 
 
 class Schedule:
-    """The jobs that some cases ask for, each given out when what it needs has ended well, in the cases' order.
+    """The jobs that some cases and probes ask for, each given out when what it needs is done, in their order.
 
     known: outcomes from an earlier start; those jobs are not given out again.
     """
 
-    def __init__(self, cases: Iterable[Case], known: Mapping[Job, Outcome]) -> None:
-        """Plan all jobs of the cases."""
+    def __init__(self, cases: Iterable[Case | Probe], known: Mapping[Job, Outcome]) -> None:
+        """Plan all jobs of the cases and probes."""
         self.outcomes = dict(known)
         self._place: dict[Job, int] = {}
         self._waits: dict[Job, set[Job]] = {}
         self._blocks: dict[Job, list[Job]] = {}
         self._ready: list[tuple[int, Job]] = []
-        self._fallen: list[tuple[Case, Outcome]] = []
+        self._fallen: list[tuple[Case | Probe, Outcome]] = []
         for case in cases:
             self._plan(case)
 
@@ -32,12 +32,16 @@ class Schedule:
         """Return whether a job can be given out now."""
         return bool(self._ready)
 
+    def peek(self) -> Job:
+        """Return the next job."""
+        return self._ready[0][1]
+
     def take(self) -> Job:
         """Return the next job and mark it as given out."""
         return heapq.heappop(self._ready)[1]
 
-    def fallen(self) -> list[tuple[Case, Outcome]]:
-        """Return the cases that cannot be done any more, each with the outcome that it shares; once."""
+    def fallen(self) -> list[tuple[Case | Probe, Outcome]]:
+        """Return the cases and probes that cannot be done any more, each with the outcome that it shares; once."""
         fallen, self._fallen = self._fallen, []
         return fallen
 
@@ -79,6 +83,6 @@ class Schedule:
         self._waits.pop(job, None)
         if job in self.outcomes:
             return
-        if isinstance(job, Case):
+        if isinstance(job, Case | Probe):
             self._fallen.append((job, outcome))
         self.done(job, outcome)

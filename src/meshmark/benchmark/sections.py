@@ -8,8 +8,10 @@ from meshmark.benchmark.aggregate import ALL, alarms, main_split, robustness, si
 from meshmark.benchmark.distortion import distortions
 from meshmark.benchmark.facts import Facts
 from meshmark.benchmark.glossary import glossary
+from meshmark.benchmark.job import Outcome, Probe
 from meshmark.benchmark.layout import Cell, Plot, Section, Table
 from meshmark.benchmark.overview import overview
+from meshmark.benchmark.paper.section import paper_section
 from meshmark.benchmark.row import Row
 from meshmark.benchmark.speed import speeds
 from meshmark.benchmark.tables import (
@@ -25,7 +27,12 @@ from meshmark.benchmark.tables import (
 __all__ = ["sections"]
 
 
-def sections(rows: Sequence[Row], facts: Facts, plots: Mapping[str, Sequence[Plot]]) -> list[Section]:
+def sections(
+    rows: Sequence[Row],
+    facts: Facts,
+    plots: Mapping[str, Sequence[Plot]],
+    probes: Mapping[Probe, Outcome] | None = None,
+) -> list[Section]:
     """Return the parts of the report without the empty ones; `plots` by the section they belong to."""
     figures = robustness(rows)
     split, sizes = main_split(rows), size_classes(rows)
@@ -35,6 +42,7 @@ def sections(rows: Sequence[Row], facts: Facts, plots: Mapping[str, Sequence[Plo
     trouble = trouble_table(rows)
     parts = [
         overview(rows, facts, pictures=bool(plots)),
+        paper_section(rows, facts, probes or {}, pictures=bool(plots)),
         Section(
             "attacks",
             "What survives which attack",

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import IO
 
 from meshmark.benchmark.facts import Facts
-from meshmark.benchmark.job import Job, Look, Mark, Outcome
+from meshmark.benchmark.job import Job, Look, Mark, Outcome, Probe
 from meshmark.benchmark.row import Case, Row
 from meshmark.errors import InputError, OutputError
 
@@ -100,13 +100,24 @@ class Store:
         """Return the cases that have a row."""
         return {Case(*values) for values in self._base.execute(f"SELECT {', '.join(_CASE)} FROM rows")}
 
-    def add_job(self, job: Look | Mark, outcome: Outcome) -> None:
-        """Keep what became of a model or a mark."""
+    def add_job(self, job: Look | Mark | Probe, outcome: Outcome) -> None:
+        """Keep what became of a model, a mark or a probe."""
         values = (_name(job), outcome.status, outcome.note, json.dumps(outcome.figures))
         self._base.execute("INSERT OR REPLACE INTO jobs VALUES (?, ?, ?, ?)", values)
 
-    def job(self, job: Look | Mark) -> Outcome | None:
-        """Return what became of a model or a mark, None where it has not been done."""
+    def probes(self) -> dict[Probe, Outcome]:
+        """Return what all probes gave, in their order."""
+        held = self._base.execute("SELECT job, status, note, figures FROM jobs").fetchall()
+        made = ((json.loads(name), status, note, json.loads(text)) for name, status, note, text in held)
+        found = {
+            Probe(**name["Probe"]): Outcome(status, note, figures)
+            for name, status, note, figures in made
+            if "Probe" in name
+        }
+        return dict(sorted(found.items()))
+
+    def job(self, job: Look | Mark | Probe) -> Outcome | None:
+        """Return what became of a model, a mark or a probe, None where it has not been done."""
         found = self._base.execute(
             "SELECT status, note, figures FROM jobs WHERE job = ?", [_name(job)]
         ).fetchone()

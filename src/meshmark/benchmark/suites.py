@@ -24,12 +24,18 @@ class Part:
 
 @dataclass(frozen=True)
 class Suite:
-    """What is measured. fresh: each repeat marks the model anew, to time that too."""
+    """What is measured. fresh: each repeat marks the model anew, to time that too.
+
+    schemes: those measured where none are named, as far as they are there. probes: names of `probes.PROBES`, what
+    else is measured of each model.
+    """
 
     about: str
     budgets: tuple[str, ...]
     parts: tuple[Part, ...]
     fresh: bool = False
+    schemes: tuple[str, ...] = ("ncdg_lv",)
+    probes: tuple[str, ...] = ()
 
 
 def _each(name: str, *strengths: float | str) -> tuple[str, ...]:
@@ -69,9 +75,11 @@ SUITES: dict[str, Suite] = {
         ),
     ),
     "paper": Suite(
-        "the paper's attacks at its strengths",
+        "the paper's tables, figures and ablation",
         ("standard",),
         (Part(_PAPER), Part(("none",), "wrong key"), Part(("none",), "unmarked")),
+        schemes=("ncdg_lv", "laplace_beltrami", "mdaqim", "deep3d", "lsb"),
+        probes=("salient points", "regions", "carriers"),
     ),
     "robust": Suite(
         "every attack on the whole model, at both budgets of the mesh watermarking benchmark",

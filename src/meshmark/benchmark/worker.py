@@ -13,10 +13,11 @@ from pathlib import Path
 
 from threadpoolctl import threadpool_limits
 
-from meshmark.benchmark.job import Job, Look, Mark, Outcome
+from meshmark.benchmark.job import Job, Look, Mark, Outcome, Probe
 from meshmark.benchmark.judging import judge
 from meshmark.benchmark.marking import look, mark
 from meshmark.benchmark.memory import forget_peak, limit_memory, peak_mb
+from meshmark.benchmark.probes import probe
 from meshmark.errors import CapacityError, MeshmarkError
 
 __all__ = ["Setup", "begin", "work"]
@@ -50,6 +51,8 @@ def _function(setup: Setup, job: Job) -> Callable[[], Outcome]:
         return partial(look, setup.data, job)
     if isinstance(job, Mark):
         return partial(mark, setup.data, setup.out, job)
+    if isinstance(job, Probe):
+        return partial(probe, setup.data, job)
     return partial(judge, setup.data, setup.out, job)
 
 

@@ -31,7 +31,13 @@ def bench(
     out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder for results and reports.")] = Path(
         "bench-out"
     ),
-    schemes: Annotated[str, typer.Option(metavar="A,B", help="Schemes, also of other packages.")] = "ncdg_lv",
+    schemes: Annotated[
+        str | None,
+        typer.Option(
+            metavar="A,B",
+            help="Schemes, also of other packages or a file .py; all; without it, those of the suite.",
+        ),
+    ] = None,
     limit: Annotated[
         int | None, typer.Option(metavar="N", help="Use N models only, spread over file sizes.")
     ] = None,
@@ -44,6 +50,10 @@ def bench(
     time_limit: Annotated[
         float, typer.Option(metavar="SECONDS", help="Longest time for one marking or one attack and reading.")
     ] = 600.0,
+    hours: Annotated[
+        float | None,
+        typer.Option(metavar="H", help="Begin no further model after so long; go on another time."),
+    ] = None,
     as_json: AsJson = False,
 ) -> int:
     """Measure schemes on models under attacks.
@@ -53,10 +63,10 @@ def bench(
     """
     from meshmark.benchmark.run import Plan, run
 
-    names = tuple(dict.fromkeys(name.strip() for name in schemes.split(",") if name.strip()))
-    if not names:
+    names = None if schemes is None else tuple(name.strip() for name in schemes.split(",") if name.strip())
+    if names == ():
         raise InputError("--schemes names no scheme, expected at least one")
-    plan = Plan(suite, data, out, names, limit, seed, workers, time_limit)
+    plan = Plan(suite, data, out, names, limit, seed, workers, time_limit, hours)
     try:
         with counted("cases") as told:
             finished = run(plan, told)
@@ -65,6 +75,8 @@ def bench(
         raise
     if finished.resumed:
         say(f"meshmark: {plural(finished.resumed, 'row')} had been done before")
+    if finished.left:
+        say(f"meshmark: {plural(finished.left, 'case')} left; the same command goes on with them")
     reports = _reports(finished, out)
     answer(_words(finished, reports), _fields(finished, reports), as_json)
     return 0
@@ -73,7 +85,7 @@ def bench(
 def _reports(finished: Finished, out: Path) -> list[Path]:
     from meshmark.benchmark.report import write_reports
 
-    return write_reports(finished.rows, finished.facts, out)
+    return write_reports(finished.rows, finished.facts, out, finished.probes)
 
 
 def _fields(finished: Finished, reports: list[Path]) -> dict[str, Any]:
@@ -83,6 +95,7 @@ def _fields(finished: Finished, reports: list[Path]) -> dict[str, Any]:
         "facts": finished.facts.to_dict(),
         "rows": len(finished.rows),
         "resumed": finished.resumed,
+        "left": finished.left,
         "reports": [str(path) for path in reports],
         "summary": [line.to_dict() for line in summary(finished.rows)],
     }

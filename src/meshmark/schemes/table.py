@@ -1,18 +1,14 @@
-"""The table of schemes: our own, and those that other installed packages register."""
+"""The table of schemes: our own, those that other installed packages register, and those of single files."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from importlib.metadata import EntryPoint, entry_points
 
-from meshmark.errors import InputError
 from meshmark.schemes.ncdg_lv.scheme import NcdgLv, NcdgLvCertificate, NcdgLvOriginal
+from meshmark.schemes.outside import ENTRY_POINTS, FILE_ENDING, file_digest, load_file, load_point, points
 from meshmark.schemes.scheme import Scheme
 
 __all__ = ["ENTRY_POINTS", "SCHEMES", "Schemes"]
-
-# The group of entry points under which a package offers schemes.
-ENTRY_POINTS = "meshmark.schemes"
 
 OWN: dict[str, Callable[[], Scheme]] = {
     "ncdg_lv": NcdgLv,
@@ -22,38 +18,33 @@ OWN: dict[str, Callable[[], Scheme]] = {
 
 
 class Schemes(Mapping[str, Scheme]):
-    """Schemes by name; one from outside is imported when it is asked for, and never takes the name of ours."""
+    """Schemes by name; one from outside is imported when it is asked for, and never takes the name of ours.
+
+    A name that ends in .py is the path of a file with a scheme in it; such are found, but not listed.
+    """
 
     def __getitem__(self, name: str) -> Scheme:
         if name in OWN:
             return OWN[name]()
-        outside = _outside()
+        if name.endswith(FILE_ENDING):
+            return load_file(name)
+        outside = points()
         if name not in outside:
             raise KeyError(f"unknown scheme '{name}', expected one of {', '.join(self)}")
-        return _load(name, outside[name])
+        return load_point(name, outside[name])
 
     def __iter__(self) -> Iterator[str]:
         yield from OWN
-        yield from (name for name in _outside() if name not in OWN)
+        yield from (name for name in points() if name not in OWN)
 
     def __len__(self) -> int:
         return len(list(iter(self)))
 
+    def told(self, name: str) -> str:
+        """Return title and source of a scheme, of a file also what tells this content of it from another."""
+        scheme = self[name]
+        content = f", file {file_digest(name)}" if name.endswith(FILE_ENDING) else ""
+        return f"{scheme.title} ({scheme.source}{content})"
+
 
 SCHEMES = Schemes()
-
-
-def _outside() -> dict[str, EntryPoint]:
-    return {point.name: point for point in sorted(entry_points(group=ENTRY_POINTS), key=lambda p: p.name)}
-
-
-def _load(name: str, point: EntryPoint) -> Scheme:
-    scheme = point.load()()
-    if not isinstance(scheme, Scheme):
-        missing = [
-            part
-            for part in ("title", "source", "bits", "blind", "embed", "extract")
-            if not hasattr(scheme, part)
-        ]
-        raise InputError(f"scheme '{name}' ({point.value}) lacks {', '.join(missing)}")
-    return scheme

@@ -1,0 +1,72 @@
+"""Regions by clustering instead of a map: k-means and fuzzy c-means, which the paper's ablation puts there."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from meshmark.geometry.areas import vertex_areas
+from meshmark.mesh import FloatArray, IntArray
+from meshmark.segmentation.map_segmentation import Regions, halves
+from meshmark.segmentation.power_diagram import CHUNK, assign
+
+__all__ = ["fuzzy_c_means_regions", "k_means_regions", "memberships"]
+
+PASSES = 60
+"""At most; centres that move less than `STILL` times the extent end the passes before."""
+STILL = 1e-5
+
+
+def k_means_regions(points: FloatArray, faces: IntArray, seeds: IntArray) -> Regions:
+    """Return the k-means clusters of points (p, 3), weighted by area, started from `seeds` (n,) (Lloyd 1982)."""
+    areas = vertex_areas(points, faces)
+    centres = points[seeds]
+    none = np.zeros(len(seeds))
+    for _ in range(PASSES):
+        region = assign(points, centres, none)
+        mass = np.bincount(region, areas, len(seeds))
+        sums = np.stack([np.bincount(region, areas * axis, len(seeds)) for axis in points.T], axis=1)
+        moved = np.where(mass[:, None] > 0.0, sums / np.where(mass, mass, 1.0)[:, None], centres)
+        step, centres = float(np.abs(moved - centres).max()), moved
+        if step <= STILL * float(np.ptp(points, axis=0).max()):
+            break
+    return _regions(points, faces, areas, assign(points, centres, none), len(seeds))
+
+
+def fuzzy_c_means_regions(points: FloatArray, faces: IntArray, seeds: IntArray) -> Regions:
+    """Return for each point the cluster it belongs to most: fuzzy c-means, weighted by area, started from `seeds`.
+
+    Bezdek 1981 with exponent 2.
+    """
+    areas = vertex_areas(points, faces)
+    centres = points[seeds]
+    for _ in range(PASSES):
+        sums, mass = np.zeros((len(seeds), 3)), np.zeros(len(seeds))
+        for start in range(0, len(points), CHUNK):
+            part = slice(start, start + CHUNK)
+            weight = memberships(points[part], centres) ** 2 * areas[part, None]
+            sums += weight.T @ points[part]
+            mass += weight.sum(axis=0)
+        moved = np.where(mass[:, None] > 0.0, sums / np.where(mass, mass, 1.0)[:, None], centres)
+        step, centres = float(np.abs(moved - centres).max()), moved
+        if step <= STILL * float(np.ptp(points, axis=0).max()):
+            break
+    return _regions(points, faces, areas, assign(points, centres, np.zeros(len(seeds))), len(seeds))
+
+
+def memberships(points: FloatArray, centres: FloatArray) -> FloatArray:
+    """Return (p, n), rows of sum 1: inverse squared distances to the centres, shared out (exponent 2)."""
+    gap = points[:, None] - centres
+    square = np.einsum("pnk,pnk->pn", gap, gap)
+    nearest = square.min(axis=1, keepdims=True)
+    # over the nearest, so that a point on a centre gives no division by zero: all is that centre's
+    share = np.where(nearest > 0.0, nearest / np.where(square > 0.0, square, 1.0), square == 0.0)
+    return np.asarray(share / share.sum(axis=1, keepdims=True))
+
+
+def _regions(points: FloatArray, faces: IntArray, areas: FloatArray, region: IntArray, count: int) -> Regions:
+    green = halves(points, faces, areas)
+    shares = []
+    for half in (green, ~green):
+        held = np.bincount(region[half], areas[half], count)
+        shares.append(held / (held.sum() or 1.0))
+    return Regions(region, green, shares[0], shares[1])
