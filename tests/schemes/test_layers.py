@@ -52,10 +52,23 @@ def test_ownership_alone_is_not_authenticated_and_its_certificate_says_so(model)
     result = embed(model, KEY, id=ID, layers="ownership")
     assert (result.layers, result.mark_vertices) == ("ownership", 0)
     blind = authenticate(result.mesh, KEY)
-    assert (blind.verdict, blind.id) == ("altered", ID)
+    assert (blind.verdict, blind.id, blind.altered_vertices) == ("not_marked", ID, 0)
     assert "without that layer" in blind.advice
     known = authenticate(result.mesh, KEY, reference=result.certificate)
     assert (known.verdict, known.altered_vertices) == ("not_marked", 0)
+    assert "was marked without the authentication layer" in known.advice
+
+
+def test_a_certificate_of_another_key_model_or_id_is_called_so(model, both):
+    own = authenticate(both.mesh, KEY, reference=both.certificate)
+    assert (own.mode, own.certificate, "certificate" in own.advice) == ("certificate", "own", False)
+    other = embed(model, KEY, id=ID + 1, layers="authentication", payload="none")
+    mine = embed(model, OTHER, id=ID, layers="authentication", payload="none")
+    for result, words in ((other, "another mark"), (mine, "another key")):
+        found = authenticate(both.mesh, KEY, reference=result.certificate)
+        assert (found.verdict, found.certificate) == ("authentic", "foreign")
+        assert words in found.advice
+    assert "another mark" in extract(both.mesh, KEY, reference=other.certificate).advice
 
 
 def test_authentication_alone_moves_little_and_carries_bytes(model):
@@ -96,9 +109,12 @@ def test_an_edit_is_found_and_nothing_else(both):
 def test_noise_everywhere_is_an_alteration_everywhere(both):
     random = np.random.default_rng(3)
     noisy = both.mesh.with_vertices(both.mesh.vertices + 5e-4 * random.normal(size=both.mesh.vertices.shape))
-    found = authenticate(noisy, KEY)
+    found = authenticate(noisy, KEY, reference=both.certificate)
     assert (found.verdict, found.id, found.altered.all()) == ("altered", ID, True)
     assert {region.verdict for region in found.regions} == {"altered"}
+    blind = authenticate(noisy, KEY)  # noise too small for the id to tell
+    assert (blind.verdict, blind.id) == ("not_marked", ID)
+    assert "changed a little everywhere" in blind.advice
 
 
 def test_another_key_and_an_unmarked_model_are_not_marked(model, both):

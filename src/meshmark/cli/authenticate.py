@@ -69,7 +69,8 @@ def authenticate(
     with progress("checking the marks"):
         found = judge(mesh, secret, reference=reference)
     _write(found, mesh, model, map_, report, payload)
-    answer(f"{_WORDS[found.verdict]}: {model}. {found.advice}{_chance(found)}", found.to_dict(), as_json)
+    told = found.to_dict() if as_json else {}
+    answer(f"{_title(found)}: {model}. {found.advice}{_chance(found)}", told, as_json)
     return VERDICT_CODES[found.verdict]
 
 
@@ -114,6 +115,12 @@ def _write_payload(found: Authentication, path: Path) -> None:
         write_mesh(Mesh(*read_miniature(found.content.content)), path)
     else:
         write_whole(path, found.content.content)
+
+
+def _title(found: Authentication) -> str:
+    if found.verdict == "not_marked" and found.id is not None:
+        return "No authentication"
+    return _WORDS[found.verdict]
 
 
 def _chance(found: Authentication) -> str:

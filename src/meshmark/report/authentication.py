@@ -22,7 +22,6 @@ from meshmark.report.colours import oklch
 from meshmark.report.picture import CLAY, Panel, on_screen, render
 from meshmark.report.raster import EMPTY, rasterise
 from meshmark.report.view import from_behind, three_quarter_view
-from meshmark.report.whereabouts import whereabouts
 
 if TYPE_CHECKING:
     from meshmark.schemes.ncdg_lv.authentication.regions import Region
@@ -39,6 +38,7 @@ _TITLES = {
     "not_marked": "Not marked with this key",
     "inconclusive": "Inconclusive",
 }
+_UNSIGNED = "No marks of authentication"
 _NEXT = {
     "authentic": "The model is as it was when it was marked. It may have been turned, resized, moved or converted.",
     "altered": "Red is what was moved, made, or laid bare by a deletion. <code>meshmark recover</code> brings the "
@@ -60,17 +60,20 @@ def authentication_page(mesh: Mesh, found: Authentication, name: str) -> str:
     """Return the page; every text in it is escaped."""
     welded = weld(mesh)
     style = resources.files("meshmark").joinpath("report/authentication.css").read_text(encoding="utf-8")
-    title = f"{name}: {_TITLES[found.verdict]}"
+    unsigned = found.verdict == "not_marked" and found.id is not None
+    heading = _UNSIGNED if unsigned else _TITLES[found.verdict]
+    title = f"{name}: {heading}"
     return (
         '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
         '<meta name="color-scheme" content="light dark">\n'
         f'<link rel="icon" href="data:,">\n<title>{escape(title)}</title>\n<style>\n{style}</style></head>\n'
         f'<body><main class="{found.verdict}">\n<p class="file">{escape(name)}</p>'
-        f"<h1>{_TITLES[found.verdict]}</h1>\n"
-        f'<p class="lead">{_prose(found.advice)}</p>\n<p>{_NEXT[found.verdict]}</p>\n{_facts(mesh, found)}\n'
+        f"<h1>{heading}</h1>\n"
+        f'<p class="lead">{_prose(found.advice)}</p>\n<p>{"" if unsigned else _NEXT[found.verdict]}</p>\n'
+        f"{_facts(mesh, found)}\n"
         f'<h2>The model</h2>\n<div class="views">{_views(welded, found)}</div>\n'
-        f"<h2>Its regions</h2>\n{_table(welded, found.regions)}\n</main></body></html>\n"
+        f"<h2>Its regions</h2>\n{_table(found.regions)}\n</main></body></html>\n"
     )
 
 
@@ -158,20 +161,20 @@ def _numbers(panel: Panel, view: FloatArray, region: IntArray) -> str:
     return f'<svg viewBox="0 0 100 100" aria-hidden="true">{"".join(parts)}</svg>'
 
 
-def _table(welded: Welded, regions: Sequence[Region]) -> str:
+def _table(regions: Sequence[Region]) -> str:
     regions = sorted(regions, key=lambda region: (region.verdict != "altered", -region.failed, region.id))
-    places = whereabouts(welded.points, np.array([region.centre for region in regions]).reshape(-1, 3))
     rows = "\n".join(
-        f'<tr><th scope="row">{region.id}</th><td class="word">{place}</td>'
+        f'<tr><th scope="row">{region.id}</th><td class="word">{region.where}</td>'
         f'<td class="word {region.verdict}">{region.verdict}</td><td>{region.probability:.4f}</td>'
         f"<td>{region.checks:,}</td><td>{region.failed:,}</td></tr>"
-        for region, place in zip(regions, places, strict=True)
+        for region in regions
     )
     return (
         '<div class="scroll"><table><thead><tr><th scope="col">Region</th><th scope="col" class="word">Where</th>'
         '<th scope="col" class="word">Verdict</th><th scope="col">Probability</th><th scope="col">Checks</th>'
         f'<th scope="col">Failed</th></tr></thead><tbody>\n{rows}</tbody></table></div>'
-        '<p class="note">Altered regions first. Where: as the pictures from the front show it. Probability: that '
+        '<p class="note">Altered regions first. Where: the altered part of it, else its middle, as the '
+        "pictures from the front show it. Probability: that "
         "the region was altered. Checks: places in it that could be told; failed: those that are altered.</p>"
     )
 

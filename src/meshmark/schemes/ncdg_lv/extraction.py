@@ -15,6 +15,7 @@ from meshmark.coding.keys import Key
 from meshmark.errors import InputError
 from meshmark.geometry.weld import Welded, weld
 from meshmark.mesh import Mesh
+from meshmark.schemes.ncdg_lv.binding import stranger
 from meshmark.schemes.ncdg_lv.certificate import Certificate
 from meshmark.schemes.ncdg_lv.cropping import cropped_readings
 from meshmark.schemes.ncdg_lv.locking import locked_readings, registered_readings, stretched_readings
@@ -24,10 +25,10 @@ from meshmark.schemes.ncdg_lv.references import starting_frames
 from meshmark.schemes.ncdg_lv.results import Extraction
 from meshmark.schemes.ncdg_lv.threads import on_one_thread
 
-__all__ = ["SEARCHES", "Found", "extract", "find"]
+__all__ = ["MODES", "SEARCHES", "Found", "extract", "find"]
 
 SEARCHES = ("quick", "wide")
-_MODES = {type(None): "blind", Certificate: "certificate", Mesh: "original"}
+MODES = {type(None): "blind", Certificate: "certificate", Mesh: "original"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +70,9 @@ def extract(
     if search not in SEARCHES:
         raise InputError(f"unknown search '{search}', expected one of {', '.join(SEARCHES)}")
     found = find(mesh, key, search == "wide", spacings, locking, reference)
-    return _result(found, Codec(key), _MODES[type(reference)], perf_counter() - start)
+    result = _result(found, Codec(key), MODES[type(reference)], perf_counter() - start)
+    remark = stranger(reference, key, result.id) if isinstance(reference, Certificate) else None
+    return result if remark is None else replace(result, advice=f"{result.advice} {remark}")
 
 
 def find(

@@ -18,7 +18,7 @@ from meshmark.schemes.ncdg_lv.authentication.content import Content
 from meshmark.schemes.ncdg_lv.extraction import extract
 from meshmark.schemes.ncdg_lv.layers import embed, still_authentic
 from meshmark.schemes.ncdg_lv.results import Embedding
-from meshmark.schemes.ncdg_lv.undo import with_undo
+from meshmark.schemes.ncdg_lv.undo import sealed
 
 __all__ = ["embed_file"]
 
@@ -70,6 +70,5 @@ def _check(written: Mesh, key: Key, result: Embedding, name: str) -> None:
 def _as_written(result: Embedding, original: Mesh, written: Mesh, key: Key) -> Embedding:
     """Return the result with the certificate of the written file; no undo data where its vertices differ."""
     same = original.vertices.shape == written.vertices.shape and np.array_equal(original.faces, written.faces)
-    if not same:
-        return replace(result, seal=None)
-    return replace(result, seal=partial(with_undo, original=original, marked=written, key=key))
+    seal = partial(sealed, original=original if same else None, marked=written, key=key, identity=result.id)
+    return replace(result, seal=seal)

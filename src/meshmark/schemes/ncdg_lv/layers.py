@@ -27,7 +27,7 @@ from meshmark.schemes.ncdg_lv.extraction import extract
 from meshmark.schemes.ncdg_lv.parameters import BUDGETS, SPACINGS, STEPS
 from meshmark.schemes.ncdg_lv.results import Embedding
 from meshmark.schemes.ncdg_lv.threads import on_one_thread
-from meshmark.schemes.ncdg_lv.undo import with_undo
+from meshmark.schemes.ncdg_lv.undo import sealed
 
 __all__ = ["LAYERS", "embed", "still_authentic"]
 
@@ -79,7 +79,7 @@ def embed(
             if layers is not None or payload is not None:
                 raise CapacityError(str(error)) from None
             result = replace(error.below, remarks=(f"the authentication layer is left out: {error}",))
-    seal = partial(with_undo, original=mesh, marked=result.mesh, key=key)
+    seal = partial(sealed, original=mesh, marked=result.mesh, key=key, identity=identity)
     return replace(result, seconds=perf_counter() - start, seal=seal)
 
 

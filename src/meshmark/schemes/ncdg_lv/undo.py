@@ -29,9 +29,10 @@ from meshmark.geometry.frame import Frame, canonical_frame, frame_alternatives
 from meshmark.geometry.weld import weld
 from meshmark.io.save import conform
 from meshmark.mesh import FloatArray, IntArray, Mesh
+from meshmark.schemes.ncdg_lv.binding import bound
 from meshmark.schemes.ncdg_lv.certificate import Certificate
 
-__all__ = ["FIELD", "STEP", "Unmarked", "unmark", "with_undo"]
+__all__ = ["FIELD", "STEP", "Unmarked", "sealed", "unmark", "with_undo"]
 
 FIELD = "undo"
 """Name of the certificate's field."""
@@ -57,6 +58,14 @@ class Unmarked:
     mesh: Mesh
     exact: bool
     rms_over_diagonal: float
+
+
+def sealed(
+    certificate: Certificate, original: Mesh | None, marked: Mesh, key: Key, identity: int
+) -> Certificate:
+    """Return the certificate of `marked` bound to key and id, with undo data where there is an original."""
+    made = bound(certificate, key, identity)
+    return made if original is None else with_undo(made, original, marked, key)
 
 
 def with_undo(certificate: Certificate, original: Mesh, marked: Mesh, key: Key) -> Certificate:

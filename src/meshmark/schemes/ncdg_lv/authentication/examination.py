@@ -14,6 +14,7 @@ from meshmark.mesh import Mesh
 from meshmark.schemes.ncdg_lv.authentication.checks import Checks, check
 from meshmark.schemes.ncdg_lv.authentication.localisation import altered_points
 from meshmark.schemes.ncdg_lv.authentication.payload import Payload, decode, unpack
+from meshmark.schemes.ncdg_lv.binding import stranger
 from meshmark.schemes.ncdg_lv.certificate import Certificate
 from meshmark.schemes.ncdg_lv.extraction import extract
 
@@ -23,6 +24,9 @@ MARKED_LOG10 = -9.0
 """Marks are there where so many hold by chance less often than this."""
 DOUBTFUL_LOG10 = -4.0
 """Between the two nothing is said."""
+# The ownership layer of a model that was not changed has at least this lock; measured on training models: 0.88 to
+# 1.00, with noise of 0.1 % down to 0.86.
+_UNDAMAGED = 0.8
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,6 +34,9 @@ class Examination:
     """surface: the suspect's; checks: of its marks; id: the model's, from the marks or from the ownership layer, or
     None. marked: marks of authentication hold. altered: (p,) points, all of them where no mark holds.
     log10_false_positive: bound on the chance of the marks, or else of the id, without the key.
+    Where there is an id but no mark, ownership_only: the certificate says that there never was one; damaged: the
+    certificate says that there was, or the ownership layer itself shows that the shape was changed.
+    remark: a sentence where the certificate is not this model's; nothing was taken from it then.
     """
 
     surface: Welded
@@ -38,6 +45,9 @@ class Examination:
     marked: bool
     altered: NDArray[np.bool_]
     log10_false_positive: float
+    ownership_only: bool = False
+    damaged: bool = False
+    remark: str | None = None
 
     @cached_property
     def payload(self) -> Payload | None:
@@ -56,16 +66,26 @@ def examine(mesh: Mesh, key: Key, reference: Certificate | Mesh | None = None) -
     """
     surface = weld(mesh)
     checks = check(surface, key)
-    if checks.nonce is not None and checks.log10_chance <= MARKED_LOG10:
+    identity = checks.nonce
+    if identity is None or checks.log10_chance > MARKED_LOG10:
+        found = extract(mesh, key, reference=reference, locking=reference is not None)
+        identity = found.id
+        if identity is not None:
+            checks = check(surface, key, identity)
+    certificate = reference if isinstance(reference, Certificate) else None
+    remark = None if certificate is None else stranger(certificate, key, identity)
+    if identity is not None and checks.log10_chance <= MARKED_LOG10:
         altered = altered_points(surface, checks)
-        return Examination(surface, checks, checks.nonce, True, altered, checks.log10_chance)
-    found = extract(mesh, key, reference=reference, locking=reference is not None)
-    if found.id is not None:
-        again = check(surface, key, found.id)
-        if again.log10_chance <= MARKED_LOG10:
-            altered = altered_points(surface, again)
-            return Examination(surface, again, found.id, True, altered, again.log10_chance)
-        checks = again
-    everything = np.ones(len(surface.points), bool)
-    bound = found.log10_false_positive if found.id is not None else checks.log10_chance
-    return Examination(surface, checks, found.id, False, everything, bound)
+        return Examination(surface, checks, identity, True, altered, checks.log10_chance, remark=remark)
+    layers = certificate.more.get("layers") if certificate is not None and remark is None else None
+    return Examination(
+        surface,
+        checks,
+        identity,
+        False,
+        np.ones(len(surface.points), bool),
+        checks.log10_chance if identity is None else found.log10_false_positive,
+        ownership_only=layers == "ownership",
+        damaged=layers == "both" or (layers is None and found.lock_score < _UNDAMAGED),
+        remark=remark,
+    )

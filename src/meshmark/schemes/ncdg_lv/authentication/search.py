@@ -53,8 +53,7 @@ def likeliest_setting(
 ) -> Setting | None:
     """Return the step and layout under which most marks of a sample hold.
 
-    Steps that suit the surface's size are tried first, on half of the sample, all others where they are not clearly
-    right.
+    Steps that suit the surface's size are tried first, all others where they are not clearly right.
     """
     total = sum(len(group.vertex) for group in rings)
     every = max(total // (_SAMPLE_BLIND if nonce is None else _SAMPLE), 1)
@@ -67,9 +66,8 @@ def likeliest_setting(
         return None
     middles = np.concatenate([points[group.vertex] for group, _ in sample])
     finest = UNIT * FAR_AWAY * float(np.linalg.norm(np.ptp(middles, axis=0)))
-    half = [(group.take(slice(None, None, 2)), shape.take(slice(None, None, 2))) for group, shape in sample]
-    likely = [np.floor(level_of(shape, finest))[:, None] + np.array(_LIKELY) for _, shape in half]
-    best = _best(points, half, likely, key, nonce)
+    likely = [np.floor(level_of(shape, finest))[:, None] + np.array(_LIKELY) for _, shape in sample]
+    best = _best(points, sample, likely, key, nonce)
     if best is not None and best.log10_chance <= _CLEAR_LOG10 and best.doubt <= _CLEAR:
         return best
     every_level = [np.tile(np.array(LEVELS), (len(group.vertex), 1)) for group, _ in sample]

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property, partial
 from time import perf_counter
 from typing import Any
 
@@ -12,16 +14,15 @@ from numpy.typing import NDArray
 from meshmark.coding.keys import Key
 from meshmark.coding.message import format_id
 from meshmark.geometry.areas import vertex_areas
-from meshmark.mesh import FloatArray, Mesh
-from meshmark.report.whereabouts import whereabouts
+from meshmark.mesh import IntArray, Mesh
 from meshmark.schemes.ncdg_lv.authentication.examination import DOUBTFUL_LOG10, Examination, examine
 from meshmark.schemes.ncdg_lv.authentication.payload import Payload
-from meshmark.schemes.ncdg_lv.authentication.region_evidence import connected_parts, region_evidence
-from meshmark.schemes.ncdg_lv.authentication.regions import Region, judge_regions
+from meshmark.schemes.ncdg_lv.authentication.region_map import RegionMap, region_map
+from meshmark.schemes.ncdg_lv.authentication.regions import Region
+from meshmark.schemes.ncdg_lv.authentication.sentences import of_altered, of_marks
 from meshmark.schemes.ncdg_lv.certificate import Certificate
+from meshmark.schemes.ncdg_lv.extraction import MODES
 from meshmark.schemes.ncdg_lv.threads import on_one_thread
-from meshmark.segmentation.analysis import Segmentation, segment
-from meshmark.segmentation.map_segmentation import Regions
 
 __all__ = ["Authentication", "authenticate"]
 
@@ -31,23 +32,39 @@ class Authentication:
     """What the marks of a model say.
 
     verdict: "authentic", "altered", "not_marked" or "inconclusive"; altered: (n,) which vertices of the file were
-    moved, made or laid bare. altered_area_fraction: of the surface, 0 to 1. regions: of the map; region: (n,) the
-    one of each vertex. payload: "recovered", "partial" or "none"; content: what was recovered. id: or None.
+    moved, made or laid bare. altered_area_fraction: of the surface, 0 to 1. payload: "recovered", "partial" or
+    "none"; content: what was recovered. id: or None.
     log10_false_positive: bound on the chance of these marks (or of the id alone) without the key.
-    advice: one sentence for the reader.
+    mode: "blind", "certificate" or "original"; certificate: "own", "foreign" (of another key, model or id) or None.
+    advice: sentences for the reader. draw: makes the map, which is made when it is asked for.
     """
 
     verdict: str
     altered: NDArray[np.bool_]
     altered_area_fraction: float
-    regions: tuple[Region, ...]
-    region: NDArray[np.int64]
     payload: str
     content: Payload | None
     id: int | None
     log10_false_positive: float
+    mode: str
+    certificate: str | None
     advice: str
     seconds: float
+    draw: Callable[[], RegionMap] = field(repr=False)
+
+    @cached_property
+    def _map(self) -> RegionMap:
+        return self.draw()
+
+    @property
+    def regions(self) -> tuple[Region, ...]:
+        """Return the regions of the map, each with its verdict."""
+        return self._map.regions
+
+    @property
+    def region(self) -> IntArray:
+        """Return (n,): the region of each vertex of the file."""
+        return self._map.region
 
     @property
     def altered_vertices(self) -> int:
@@ -66,6 +83,8 @@ class Authentication:
             "payload_bytes": 0 if self.content is None else len(self.content.content),
             "id": None if self.id is None else format_id(self.id),
             "log10_false_positive": self.log10_false_positive,
+            "mode": self.mode,
+            "certificate": self.certificate,
             "advice": self.advice,
             "seconds": self.seconds,
         }
@@ -81,96 +100,56 @@ def authenticate(mesh: Mesh, key: Key, *, reference: Certificate | Mesh | None =
     """
     start = perf_counter()
     found = examine(mesh, key, reference)
-    verdict = _verdict(found, reference)
-    map_ = segment(mesh)
+    verdict = _verdict(found)
     points, faces = found.surface.points, found.surface.faces
-    areas = vertex_areas(points, faces)
     altered = found.altered if verdict == "altered" else np.zeros(len(points), bool)
-    regions = _of_points(map_, found)
-    evidence = region_evidence(faces, regions, found.checks, altered)
-    judged = judge_regions(evidence, _centres(points, areas, regions))
-    if not found.marked:
-        called, chance = ("altered", 1.0) if verdict == "altered" else ("unchecked", 0.0)
-        judged = tuple(
-            replace(region, verdict=called, probability=chance, checks=0, failed=0, log10_chance=0.0)
-            for region in judged
-        )
+    areas = vertex_areas(points, faces)
     share = float(areas[altered].sum() / areas.sum())
+    draw = partial(region_map, mesh, found, altered)
+    if found.marked and altered.any():
+        drawn = draw()
+        torn = bool(found.checks.torn.any())
+        advice = of_altered(drawn.regions, drawn.places(), share, None, torn)
+        draw = partial(_same, drawn)
+    else:
+        advice = of_marks(verdict, found)
+    if found.remark is not None:
+        advice += f" {found.remark}"
     return Authentication(
         verdict=verdict,
         altered=altered[found.surface.point_of_vertex],
         altered_area_fraction=share,
-        regions=judged,
-        region=map_.region,
         payload=_payload(found),
         content=found.payload,
         id=found.id,
         log10_false_positive=found.log10_false_positive,
-        advice=_advice(verdict, found, judged, share),
+        mode=MODES[type(reference)],
+        certificate=_certificate(found, reference),
+        advice=advice,
         seconds=perf_counter() - start,
+        draw=draw,
     )
 
 
-def _verdict(found: Examination, reference: Certificate | Mesh | None) -> str:
+def _same(drawn: RegionMap) -> RegionMap:
+    return drawn
+
+
+def _verdict(found: Examination) -> str:
     if found.marked:
         return "altered" if found.altered.any() else "authentic"
     if found.id is not None:
-        alone = isinstance(reference, Certificate) and reference.more.get("layers") == "ownership"
-        return "not_marked" if alone else "altered"
+        return "altered" if found.damaged else "not_marked"
     return "inconclusive" if found.log10_false_positive <= DOUBTFUL_LOG10 else "not_marked"
+
+
+def _certificate(found: Examination, reference: Certificate | Mesh | None) -> str | None:
+    if not isinstance(reference, Certificate):
+        return None
+    return "own" if found.remark is None else "foreign"
 
 
 def _payload(found: Examination) -> str:
     if found.payload is not None:
         return "none" if found.payload.kind == "none" else "recovered"
     return "partial" if found.marked and len(found.checks.index) else "none"
-
-
-def _of_points(map_: Segmentation, found: Examination) -> Regions:
-    first = found.surface.vertex_of_point
-    return Regions(map_.region[first], map_.green[first], map_.green_share, map_.blue_share)
-
-
-def _centres(points: FloatArray, areas: FloatArray, regions: Regions) -> FloatArray:
-    """Return (n, 3): the middle of the surface of each region."""
-    count = len(regions.green_share)
-    weight = np.bincount(regions.region, areas, count)
-    moments = [np.bincount(regions.region, areas * points[:, axis], count) for axis in range(3)]
-    return np.asarray(np.stack(moments, axis=1) / np.where(weight > 0.0, weight, 1.0)[:, None])
-
-
-def _advice(verdict: str, found: Examination, regions: tuple[Region, ...], share: float) -> str:
-    if verdict == "authentic":
-        return "Nothing was changed since it was marked."
-    if verdict == "not_marked":
-        if found.id is not None:
-            return "It carries the owner's id, but was marked without the authentication layer."
-        return "No mark of this key was found: another key's, never marked, or changed everywhere."
-    if verdict == "inconclusive":
-        return "There are too few marks to tell; a model of few points, or a small part of one."
-    if not found.marked:
-        return (
-            "It carries the owner's id, but no mark of authentication holds: it was changed everywhere, or marked "
-            "without that layer, which its certificate tells."
-        )
-    called = [region for region in regions if region.verdict == "altered"]
-    where = _where(found)
-    return f"{len(called)} of {len(regions)} regions altered: {where}, {100 * share:.2g} % of the surface."
-
-
-def _where(found: Examination) -> str:
-    """Return where the altered parts lie, the largest first, no more than three places."""
-    named = list(dict.fromkeys(whereabouts(found.surface.points, _parts(found))))
-    return ", ".join(named[:3]) + (" and elsewhere" if len(named) > 3 else "")
-
-
-def _parts(found: Examination) -> FloatArray:
-    """Return the middle (k, 3) of each connected altered part, the largest first."""
-    points, faces = found.surface.points, found.surface.faces
-    part = connected_parts(faces, found.altered)
-    rows = np.flatnonzero(found.altered)
-    size = np.bincount(part[rows])
-    middle = (
-        np.stack([np.bincount(part[rows], points[rows, axis]) for axis in range(3)], axis=1) / size[:, None]
-    )
-    return np.asarray(middle[np.argsort(-size, kind="stable")])
