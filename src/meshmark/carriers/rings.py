@@ -29,7 +29,7 @@ class Rings:
     open: NDArray[np.bool_]
     rim: NDArray[np.bool_]
 
-    def take(self, rows: IntArray | NDArray[np.bool_] | slice) -> Rings:
+    def take(self, rows: IntArray | NDArray[np.bool_]) -> Rings:
         """Return these rows."""
         return Rings(self.vertex[rows], self.around[rows], self.open[rows], self.rim[rows])
 

@@ -38,7 +38,7 @@ class RingShapes:
     chord: FloatArray
     spread: FloatArray
 
-    def take(self, rows: IntArray | NDArray[np.bool_] | slice) -> RingShapes:
+    def take(self, rows: IntArray | NDArray[np.bool_]) -> RingShapes:
         """Return these rows."""
         return RingShapes(*(getattr(self, field.name)[rows] for field in fields(self)))
 
