@@ -169,8 +169,8 @@ def _carriers(carriers: Sequence[Figures]) -> Table:
     )
     readings = sum(len(figures["rule"]["errors"]) for figures in carriers)
     note = (
-        f"{readings} readings of {len(carriers)} models after noise 0.5 and 1 % and smoothing 10 times by "
-        "0.1 and 0.5, in the frame found by a lock that succeeded, as the network is used. Means over "
+        f"{readings} readings of {len(carriers)} models after noise 0.5 % and smoothing 10 times by "
+        "0.1, in the frame found by a lock that succeeded, as the network is used. Means over "
         "models, 95 % intervals."
     )
     return Table("Ablation: extraction, bits of the id", columns, tuple(rows), note)
@@ -186,7 +186,7 @@ def _embedding(measured: Measured) -> Table:
             OWN, (attack,), lambda row: None if row.present is None else float(not row.present)
         )
         cells = [share_cell(list(values[name].values())) for name in _SCHEMES]
-        rows.append((Cell(label(attack)), *cells, Cell(standing(values, everything, "%", lost))))
+        rows.append((Cell(label(attack)), *cells, Cell(standing(values, everything, "%", lost).words)))
     columns = ("attack", "barycentre", "least significant bits", "barycentre")
     note = (
         "Bit errors of 64 bits, at the same budget; mean over the models that could be marked, 95 % interval."

@@ -3,15 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from meshmark.benchmark.layout import NOTHING, Cell, Table, percent
 from meshmark.benchmark.paper.claims import CLAIMED, DOUBTS, TABLES, Claims
-from meshmark.benchmark.paper.measured import OWN, Group, Measured, Values, db_cell, share_cell, title_of
+from meshmark.benchmark.paper.measured import (
+    OWN,
+    Group,
+    Measured,
+    Values,
+    db_cell,
+    db_estimate,
+    share_cell,
+    title_of,
+)
 from meshmark.benchmark.row import Row
 
-__all__ = ["standing", "tables"]
+__all__ = ["Standing", "standing", "tables"]
 
 # Differences below these are a tie: a bit in a thousand payloads, and what nobody can see.
 _TIES = {"%": 2e-5, "dB": 0.05}
@@ -68,7 +78,7 @@ def _table(
             Cell(group.label),
             *(_claim_cells(claims, group) if claimed else ()),
             *(_cell(values[name], group, unit) for name in measured.schemes),
-            Cell(standing(values, group, unit, lost)),
+            Cell(standing(values, group, unit, lost).words),
         )
         for group in measured.groups()
     )
@@ -102,32 +112,54 @@ def _cell(values: Values, group: Group, unit: str) -> Cell:
     return db_cell(own) if unit == "dB" else share_cell(own)
 
 
-def standing(values: Mapping[str, Values], group: Group, unit: str, lost: Values) -> str:
+@dataclass(frozen=True)
+class Standing:
+    """How NCDG-LV stands among its rivals: in words; whether one is ahead, and whether more than by chance."""
+
+    words: str
+    behind: bool = False
+    clearly: bool = False
+
+
+def standing(values: Mapping[str, Values], group: Group, unit: str, lost: Values) -> Standing:
     """Return "leads", or which rivals are level or ahead, by how much, and why.
 
     values: of each scheme, of each model; less is better of "%", more of "dB". lost: 1 for models in which NCDG-LV
-    did not find its mark, and so guesses.
+    did not find its mark, and so guesses. A difference is within chance where its 95 % interval, over the models
+    that both could mark, holds 0.
     """
     own = values.get(OWN, {})
-    level, ahead, compared = [], [], 0
+    level, ahead, doubtful, clearly, compared = [], [], [], False, 0
     for name, theirs in values.items():
         both = sorted(group.models & own.keys() & theirs.keys())
-        if name == OWN or not both:
+        if name.startswith(OWN) or not both:  # also NCDG-LV read with a reference is no rival of it
             continue
         compared += 1
-        mine, other = (float(np.mean([held[model] for model in both])) for held in (own, theirs))
-        lead = mine - other if unit == "dB" else other - mine
-        if abs(lead) <= _TIES[unit]:
+        sign = 1.0 if unit == "dB" else -1.0
+        lead = db_estimate([sign * (own[model] - theirs[model]) for model in both])
+        if lead is None or abs(lead.value) <= _TIES[unit]:
             level.append(title_of(name))
-        elif lead < 0.0:
-            ahead.append(
-                f"{title_of(name)} ({_said(other, unit)} against {_said(mine, unit)}, n {len(both)})"
-            )
+            continue
+        chance = lead.low <= 0.0 <= lead.high
+        if lead.value < 0.0:
+            clearly = clearly or not chance
+            ahead.append(_difference(name, own, theirs, both, unit, chance))
+        elif chance:
+            doubtful.append(title_of(name))
     if not compared:
-        return NOTHING
+        return Standing(NOTHING)
     parts = [f"behind {', '.join(ahead)}{_why(group, unit, own, lost)}"] if ahead else []
     parts += [f"level with {', '.join(level)}"] if level else []
-    return "; ".join(parts) or "leads"
+    parts += [f"ahead of {', '.join(doubtful)} within chance"] if doubtful else []
+    return Standing("; ".join(parts) or "leads", bool(ahead), clearly)
+
+
+def _difference(
+    name: str, own: Values, theirs: Values, models: Sequence[str], unit: str, chance: bool
+) -> str:
+    mine, other = (float(np.mean([held[model] for model in models])) for held in (own, theirs))
+    within = ", within chance" if chance else ""
+    return f"{title_of(name)} ({_said(other, unit)} against {_said(mine, unit)}, n {len(models)}{within})"
 
 
 def _why(group: Group, unit: str, own: Values, lost: Values) -> str:
@@ -136,6 +168,8 @@ def _why(group: Group, unit: str, own: Values, lost: Values) -> str:
     models = sorted(group.models & own.keys())
     gone = [model for model in models if lost.get(model, 0.0) > 0.5]
     kept = [own[model] for model in models if model not in gone]
+    if not gone:
+        return ""
     rest = f"; in the others {percent(float(np.mean(kept)))} of the bits are wrong" if kept else ""
     return f": in {len(gone)} of {len(models)} models it finds no mark, and guesses{rest}"
 

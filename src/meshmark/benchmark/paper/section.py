@@ -18,7 +18,7 @@ from meshmark.benchmark.paper.measured import Measured, title_of
 from meshmark.benchmark.paper.rates import rate_parts
 from meshmark.benchmark.paper.watermark import watermark_parts
 from meshmark.benchmark.row import Row
-from meshmark.schemes import SCHEMES
+from meshmark.schemes import SCHEMES, Scheme
 
 __all__ = ["SUITE", "paper_section"]
 
@@ -52,7 +52,7 @@ def _equal(measured: Measured) -> Table:
     for name in measured.schemes:
         scheme = SCHEMES.get(name)
         known = (str(scheme.bits), "blind" if scheme.blind else "informed") if scheme else (NOTHING, NOTHING)
-        cells = [Cell(title_of(name), scheme.source if scheme else ""), *(Cell(text) for text in known)]
+        cells = [Cell(title_of(name), _origin(scheme)), *(Cell(text) for text in known)]
         for measure in ("rms_over_diagonal", "mrms_over_diagonal", "msdm2"):
             value = found.get((name, measure))
             factor, unit = (1.0, "") if measure == "msdm2" else (100.0, " %")
@@ -68,6 +68,14 @@ def _equal(measured: Measured) -> Table:
     columns = ("scheme", "payload, bits", "reading", "RMS", "MRMS", "MSDM2")
     note = "Budget of all: at most 0.08 % of the diagonal RMS displacement (strength standard). Means over models."
     return Table("Payload and distortion of all tables below", columns, tuple(rows), note)
+
+
+def _origin(scheme: Scheme | None) -> str:
+    """Return where a scheme comes from, and what of it is our reconstruction."""
+    ours = getattr(scheme, "reconstruction", "")
+    return "; ".join(
+        text for text in (scheme.source if scheme else "", ours and f"our reconstruction: {ours}") if text
+    )
 
 
 def _marked(measured: Measured) -> Table:
