@@ -37,8 +37,8 @@ LEAST_FREEDOM = 0.05
 # budget and show as a dent: it is left as it is, one wrong bit at worst half the time, which the code repairs.
 DEAREST = 6.0
 RIDGE = 1e-9
-# Knots of the B-splines, in spacings: a wider grid makes smoother bumps, which take more of the budget.
-PITCH = 0.375
+# Knots of the B-splines, in spacings: wider ones make smoother bumps, which disturb marks of other keys more.
+PITCH = 0.2
 
 
 def frame_values(points: FloatArray, faces: IntArray) -> FloatArray:
