@@ -196,7 +196,7 @@ def test_places_where_nothing_can_be_written(cli, files, tmp_path):
         Path("/dev/full"),
         tmp_path / ("x" * 300 + ".ply"),
     ):
-        assert_refused(cli("embed", model, out, "--key", key), tmp_path, before)
+        assert_refused(cli("embed", model, out, "--key", key, "--layers", "ownership"), tmp_path, before)
         assert_refused(cli("attack", model, out, "noise", "--with", key), tmp_path, before)
     for out in (tmp_path / "folder.csv", tmp_path / "nowhere" / "a.csv", tmp_path / "a.ply", model):
         assert_refused(cli("attack", model, tmp_path / "out.ply", "noise", "--map", out), tmp_path, before)
@@ -221,7 +221,7 @@ run()
 def test_no_space_for_the_output(files, tmp_path, command):
     before = snapshot(tmp_path)
     line = {
-        "embed": ["embed", files.model, tmp_path / "out.ply", "--key", files.key],
+        "embed": ["embed", files.model, tmp_path / "out.ply", "--key", files.key, "--layers", "ownership"],
         "segment": ["segment", files.model, "--picture", tmp_path / "out.png"],
     }[command]
     ran = subprocess.run(

@@ -86,15 +86,14 @@ def test_embed_says_in_words_what_it_did_and_another_name_means_another_format(c
 
 
 def test_embed_draws_a_new_id_each_time(cli, files, tmp_path):
-    ids = {
-        only_object(cli("embed", files.model, tmp_path / f"{i}.ply", "--key", files.key, "--json").out)["id"]
-        for i in range(2)
-    }
-    assert len(ids) == 2
+    arguments = ("--key", files.key, "--layers", "ownership", "--json")
+    drawn = [cli("embed", files.model, tmp_path / f"{i}.ply", *arguments) for i in range(2)]
+    assert len({only_object(ran.out)["id"] for ran in drawn}) == 2
 
 
 def test_embed_without_an_extension_keeps_the_format(cli, files, tmp_path):
-    assert cli("embed", files.marked, tmp_path / "model", "--key", files.key).code == 0
+    arguments = ("--key", files.key, "--layers", "ownership")
+    assert cli("embed", files.marked, tmp_path / "model", *arguments).code == 0
     assert (tmp_path / "model").read_bytes().startswith(b"ply\n")
 
 
@@ -134,7 +133,14 @@ def test_extract_that_cannot_tell_exits_with_3(cli, files, monkeypatch):
     assert "too small" in ran.out
 
 
-def test_compare_gives_the_fields_of_the_contract(cli, files):
+@pytest.fixture
+def small(tmp_path) -> Path:
+    """A model of 1,106 vertices."""
+    mm.write_mesh(mm.Mesh(*pebble(48)), tmp_path / "small.ply")
+    return tmp_path / "small.ply"
+
+
+def test_compare_gives_the_fields_of_the_contract(cli, files, small):
     ran = cli("compare", files.model, files.marked, "--json")
     fields = only_object(ran.out)
     assert (ran.code, ran.err) == (0, "")
@@ -142,7 +148,7 @@ def test_compare_gives_the_fields_of_the_contract(cli, files):
     assert fields["rms_over_diagonal"] == pytest.approx(files.printed["rms_over_diagonal"], rel=1e-6)
     assert fields["psnr_db"] == pytest.approx(files.printed["psnr_db"], abs=1e-4)
     assert None not in fields.values()
-    words = cli("compare", files.model, files.marked).out
+    words = cli("compare", small, small).out
     assert {line.split("  ")[0] for line in words.splitlines()} == {
         "vertices, RMS", "vertices, largest", "surfaces, RMS", "surfaces, largest", "PSNR", "PSNR, paper",
         "MSDM2, 0 to 1", "normals, degrees",
@@ -155,13 +161,13 @@ def test_compare_of_equal_models_is_json_without_infinity(cli, files):
     assert "infinite" in cli("compare", files.model, files.model).out
 
 
-def test_compare_of_other_vertex_counts_says_null(cli, files, tmp_path):
+def test_compare_of_other_vertex_counts_says_null(cli, small, tmp_path):
     (tmp_path / "t.off").write_text("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
-    ran = cli("compare", files.model, tmp_path / "t.off", "--json")
+    ran = cli("compare", small, tmp_path / "t.off", "--json")
     assert ran.code == 0
     fields = only_object(ran.out)
     assert {name for name in COMPARE if fields[name] is None} == {"rms_over_diagonal", "max_over_diagonal"}
-    assert "25,178" in cli("compare", files.model, tmp_path / "t.off").out
+    assert "1,106" in cli("compare", small, tmp_path / "t.off").out
 
 
 def test_saliency_gives_the_fields_of_the_contract_and_a_picture(cli, files, tmp_path):
@@ -224,7 +230,8 @@ def test_a_part_of_a_model_is_read_with_its_certificate(tmp_path, cli):
     )
     mm.write_mesh(mm.Mesh(*pebble(144)), model)
     cli("keygen", key)
-    cli("embed", model, marked, "--key", key, "--id", IDENTITY, "--certificate", certificate)
+    arguments = ("--id", IDENTITY, "--layers", "ownership", "--certificate", certificate)
+    cli("embed", model, marked, "--key", key, *arguments)
     cli("attack", marked, part, "crop", "0.3", "--seed", "7")
     found = json.loads(cli("extract", part, "--key", key, "--certificate", certificate, "--json").out)
     assert (found["id"], found["mode"]) == (IDENTITY, "certificate")
