@@ -12,7 +12,7 @@ import numpy as np
 from meshmark.carriers.lock import Lock, LockSearch, grid_size
 from meshmark.mesh import FloatArray, IntArray
 
-__all__ = ["grown", "neighbourhoods"]
+__all__ = ["MOST_FIRST", "grown", "neighbourhoods"]
 
 # Cells in the first cluster, and by how much the next is larger.
 FIRST, GROWTH = 45, 2.2

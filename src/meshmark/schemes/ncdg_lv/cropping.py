@@ -7,15 +7,13 @@ border: of all the frames that it may have given the model some hundred lie clos
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import islice, product
+from itertools import islice
 
 import numpy as np
 
-from meshmark.carriers.growing import grown, neighbourhoods
+from meshmark.carriers.growing import MOST_FIRST, neighbourhoods
 from meshmark.carriers.lattice import Lattice
-from meshmark.carriers.lock import LockSearch
 from meshmark.carriers.pose import Pose, pose_gradient
-from meshmark.carriers.quantisation import bit_phase, log10_lock_chance
 from meshmark.coding.keys import Key
 from meshmark.geometry.completion import completed_frames
 from meshmark.geometry.frame import Frame
@@ -24,7 +22,6 @@ from meshmark.geometry.weld import Welded
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.schemes.ncdg_lv.parameters import (
     CARRIER_READABLE,
-    CREDIBLE_LOG10,
     CROP_APART,
     CROP_CARRIERS,
     CROP_EXPECTED,
@@ -32,14 +29,13 @@ from meshmark.schemes.ncdg_lv.parameters import (
     CROP_SPACINGS,
     GATHER,
     LARGE_STEPS,
-    LOCK_EXPECTED,
-    LOCK_RADIUS,
     LOCK_STEPS,
     LONGEST_SAMPLE,
     TYPICAL_STEP,
     preferred_spacings,
 )
 from meshmark.schemes.ncdg_lv.reading import Reading, read_cells
+from meshmark.schemes.ncdg_lv.relocking import grown_locks, relocked
 
 __all__ = ["cropped_readings"]
 
@@ -124,18 +120,15 @@ def _grown(
     if len(cells.nodes) < CARRIER_READABLE:
         return
     keys = lattice.keys(cells.nodes, code_length)
-    gradient = 4.0 * np.pi * pose_gradient(cells, lattice)
+    gradient = pose_gradient(cells, lattice)
     places = cells.nodes.astype(np.float64)
-    orders = neighbourhoods(gradient / TYPICAL_STEP * CROP_EXPECTED, places, cluster + 1)[cluster:]
-    for step, order in product(steps, orders):
-        psi = 2.0 * bit_phase(cells.offset, keys.dither, step)
-        lock = grown(psi, gradient / step, CROP_EXPECTED, order)
-        if lock is None:
-            continue
-        tried = lock.tried * len(steps)
-        if log10_lock_chance(lock.score, len(psi)) + np.log10(tried) < CREDIBLE_LOG10:
-            corrected = pose.then(lock.correction)
-            yield _anew(samples, lattice, corrected, step, code_length, number * (number + 1) * tried)
+    typical = 4.0 * np.pi / TYPICAL_STEP * gradient
+    orders = neighbourhoods(typical * CROP_EXPECTED, places, cluster + 1)[cluster:]
+    for step, correction, tried in grown_locks(
+        cells, keys, gradient, CROP_EXPECTED, steps, orders, MOST_FIRST
+    ):
+        corrected = pose.then(correction)
+        yield _anew(samples, lattice, corrected, step, code_length, number * (number + 1) * tried)
 
 
 def _anew(
@@ -145,11 +138,7 @@ def _anew(
     for _ in range(2):  # the response of the first is from where it was before
         cells = read_cells(samples, lattice, pose)
         keys = lattice.keys(cells.nodes, code_length)
-        phase = bit_phase(cells.offset, keys.dither, step)
-        gradient = pose_gradient(cells, lattice)
-        search = LockSearch(2.0 * phase, 4.0 * np.pi / step * gradient, LOCK_EXPECTED, LOCK_RADIUS)
-        correction = search.polished(search.rough(1)[0]).correction
-        charge *= search.tried
+        phase, correction, tried = relocked(cells, keys, pose_gradient(cells, lattice), step)
+        charge *= tried
         pose = pose.then(correction)
-    phase = bit_phase(cells.offset + gradient @ correction, keys.dither, step)
     return Reading.of(lattice.spacing, step, cells, keys, phase, charge)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from itertools import islice, product
+from itertools import islice
 
 import numpy as np
 
-from meshmark.carriers.growing import grown, neighbourhoods
+from meshmark.carriers.growing import neighbourhoods
 from meshmark.carriers.lattice import Lattice
 from meshmark.carriers.lock import LockSearch
 from meshmark.carriers.quantisation import bit_phase, log10_lock_chance
@@ -31,6 +31,7 @@ from meshmark.schemes.ncdg_lv.parameters import (
     preferred_spacings,
 )
 from meshmark.schemes.ncdg_lv.reading import Reading
+from meshmark.schemes.ncdg_lv.relocking import grown_locks, relocked
 from meshmark.schemes.ncdg_lv.restoration import Restoration, restorations, stretched
 from meshmark.schemes.ncdg_lv.shapes import Response, Shapes
 
@@ -192,26 +193,18 @@ def _grown(
         return
     keys = lattice.keys(response.cells.nodes, code_length)
     expected = np.concatenate([LOCK_EXPECTED * drift, restoration.expected])
-    gradient = 4.0 * np.pi * response.gradient
     places = response.cells.nodes.astype(np.float64)
-    orders = neighbourhoods(gradient / TYPICAL_STEP * expected, places, CLUSTERS)
-    for step, order in product(steps, orders):
-        psi = 2.0 * bit_phase(response.cells.offset, keys.dither, step)
-        lock = grown(psi, gradient / step, expected, order, STRETCH_GRID)
-        if lock is None:
-            continue
-        tried = lock.tried * len(steps)
-        if log10_lock_chance(lock.score, len(psi)) + np.log10(tried) < CREDIBLE_LOG10:
-            anew = shapes.corrected(restoration, lattice, turned, lock.correction)
-            yield _again(anew, lattice, step, code_length, number * (number + 1) * tried)
+    typical = 4.0 * np.pi / TYPICAL_STEP * response.gradient
+    orders = neighbourhoods(typical * expected, places, CLUSTERS)
+    locks = grown_locks(response.cells, keys, response.gradient, expected, steps, orders, STRETCH_GRID)
+    for step, correction, tried in locks:
+        anew = shapes.corrected(restoration, lattice, turned, correction)
+        yield _again(anew, lattice, step, code_length, number * (number + 1) * tried)
 
 
 def _again(response: Response, lattice: Lattice, step: float, code_length: int, charge: float) -> Reading:
     """Return the best reading close to where this response was measured."""
     keys = lattice.keys(response.cells.nodes, code_length)
-    phase = bit_phase(response.cells.offset, keys.dither, step)
-    search = LockSearch(2.0 * phase, 4.0 * np.pi / step * response.gradient, LOCK_EXPECTED, LOCK_RADIUS)
-    correction = search.polished(search.rough(1)[0]).correction
-    phase = bit_phase(response.cells.offset + response.gradient @ correction, keys.dither, step)
-    reading = Reading.of(lattice.spacing, step, response.cells, keys, phase, charge * search.tried)
+    phase, _, tried = relocked(response.cells, keys, response.gradient, step)
+    reading = Reading.of(lattice.spacing, step, response.cells, keys, phase, charge * tried)
     return replace(reading, relief=response.relief)
