@@ -28,6 +28,10 @@ def extract(
     search: Annotated[
         Search, typer.Option(help="quick is fast; wide spends more time on hard cases, such as crops.")
     ] = Search.quick,
+    time_limit: Annotated[
+        float | None,
+        typer.Option(metavar="SECONDS", help="Give up after so long; without it, everything is tried."),
+    ] = None,
     as_json: AsJson = False,
 ) -> int:
     """Look for a mark, by the key alone or with a reference.
@@ -47,7 +51,7 @@ def extract(
     reference = load_reference(certificate, original)
     mesh = read_mesh(model)
     with progress("looking for the mark"):
-        found = find(mesh, secret, reference=reference, search=search.value)
+        found = find(mesh, secret, reference=reference, search=search.value, time_limit=time_limit)
     answer(_words(found, model), found.to_dict(), as_json)
     return EXIT_CODES[found.presence]
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import count
-from math import log, log10
-from time import perf_counter
+from math import inf, log, log10
+from time import monotonic, perf_counter
 
 import numpy as np
 
@@ -37,12 +37,18 @@ class Found:
 
     present: a mark of this key is there; `decoded` is then its id, or None where the lock alone tells.
     log10_false_positive: bound on the chance of this without a mark, over all that was tried.
+    stopped: the time ran out before the search was at its end.
     """
 
     reading: Reading | None
     decoded: Decoded | None
     present: bool
     log10_false_positive: float
+    stopped: bool = False
+
+
+class _OutOfTime(Exception):
+    """The time that a search was given is over."""
 
 
 @on_one_thread
@@ -54,6 +60,7 @@ def extract(
     search: str = "quick",
     spacings: Sequence[float] | None = None,
     locking: bool = True,
+    time_limit: float | None = None,
 ) -> Extraction:
     """Read the id from `mesh` with `key` alone, or with a reference of the model besides.
 
@@ -64,12 +71,15 @@ def extract(
     and reads every spacing instead of the first few.
     spacings: lattice spacings to read; by default all that an embedding may have chosen.
     locking: also read shapes from before an attack, and correct their frames.
-    Raises `InputError` for an unknown search, or where the mesh has no surface.
+    time_limit: seconds after which a search gives up; "inconclusive" where it had not found the mark by then.
+    Raises `InputError` for an unknown search, a time limit not above 0, or where the mesh has no surface.
     """
     start = perf_counter()
     if search not in SEARCHES:
         raise InputError(f"unknown search '{search}', expected one of {', '.join(SEARCHES)}")
-    found = find(mesh, key, search == "wide", spacings, locking, reference)
+    if time_limit is not None and not time_limit > 0.0:
+        raise InputError(f"a time limit of {time_limit:g} seconds is out of range, expected more than 0")
+    found = find(mesh, key, search == "wide", spacings, locking, reference, time_limit)
     result = _result(found, Codec(key), MODES[type(reference)], perf_counter() - start)
     remark = stranger(reference, key, result.id) if isinstance(reference, Certificate) else None
     return result if remark is None else replace(result, advice=f"{result.advice} {remark}")
@@ -82,6 +92,7 @@ def find(
     spacings: Sequence[float] | None = None,
     locking: bool = True,
     reference: Certificate | Mesh | None = None,
+    time_limit: float | None = None,
 ) -> Found:
     """Return the first reading that decodes, else the one with the best lock.
 
@@ -94,19 +105,31 @@ def find(
     codec = Codec(key)
     surface = weld(mesh)
     best: Reading | None = None
-    tickets = count(1)
-    for reading in readings(surface, key, codec.n, tickets, wide, spacings):
-        best = _better(best, reading)
-        if reading.log10_chance <= DECODE_LOG10 and (found := _decoded(codec, reading)):
-            return found
-    for reading in _searched(surface, key, codec.n, tickets, wide, spacings, locking, reference):
-        best = _better(best, reading)
-        if found := _decoded(codec, reading):
-            return found
+    tickets = _tickets(inf if time_limit is None else monotonic() + time_limit)
+    stopped = False
+    try:
+        for reading in readings(surface, key, codec.n, tickets, wide, spacings):
+            best = _better(best, reading)
+            if reading.log10_chance <= DECODE_LOG10 and (found := _decoded(codec, reading)):
+                return found
+        for reading in _searched(surface, key, codec.n, tickets, wide, spacings, locking, reference):
+            best = _better(best, reading)
+            if found := _decoded(codec, reading):
+                return found
+    except _OutOfTime:
+        stopped = True
     if best is None:
-        return Found(None, None, False, 0.0)
+        return Found(None, None, False, 0.0, stopped)
     bound = _lock_bound(best)
-    return Found(best, None, bound <= PRESENT_LOG10, bound)
+    return Found(best, None, bound <= PRESENT_LOG10, bound, stopped)
+
+
+def _tickets(end: float) -> Iterator[int]:
+    """Number the readings of a search; each asks for its number first, so the time is looked at here."""
+    for number in count(1):
+        if monotonic() > end:
+            raise _OutOfTime
+        yield number
 
 
 def _searched(
@@ -172,8 +195,9 @@ def _lock_bound(reading: Reading) -> float:
 
 def _result(found: Found, codec: Codec, mode: str, seconds: float) -> Extraction:
     reading, bound = found.reading, found.log10_false_positive
+    late = "No mark of this key was found before the time limit; not everything was tried."
     if reading is None:
-        advice = "The model has too few carriers to tell whether it is marked."
+        advice = late if found.stopped else "The model has too few carriers to tell whether it is marked."
         return Extraction("inconclusive", None, bound, mode, 0, 0, 0.0, advice, seconds)
     count = len(reading.phase)
     lock = reading.score / count
@@ -193,6 +217,8 @@ def _result(found: Found, codec: Codec, mode: str, seconds: float) -> Extraction
     presence, advice = "absent", "No mark of this key was found."
     if mode == "blind":
         advice += " Of a part or a badly damaged copy the certificate or the original tells more."
+    if found.stopped:
+        presence, advice = "inconclusive", late
     if found.present:
         presence, advice = "present", "A mark of this key is there, but too damaged to read its id."
     return Extraction(presence, None, bound, mode, count, 0, lock, advice, seconds)
