@@ -14,11 +14,20 @@ import meshmark as mm
 from meshmark.cli.demo import NOISE, SCALE, travelled
 from meshmark.cli.demo_damage import PUSH, bent
 from meshmark.schemes.ncdg_lv import layers
+from tests.shapes import pebble
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("demo")
+
+
+@pytest.fixture(scope="module")
+def other(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Another model, smaller than the one that comes along."""
+    path = tmp_path_factory.mktemp("other") / "other.glb"
+    mm.write_mesh(mm.Mesh(*pebble(110)), path)
+    return path
 
 
 def test_the_id_comes_back_from_the_changed_copy(cli, folder, monkeypatch):
@@ -71,7 +80,7 @@ def test_travelled_is_a_similarity_with_noise_of_the_stated_size_and_keeps_coinc
 
 
 @pytest.mark.parametrize(("presence", "code"), [("absent", 1), ("inconclusive", 3), ("present", 1)])
-def test_the_demo_fails_where_the_id_does_not_come_back(cli, folder, monkeypatch, presence, code):
+def test_the_demo_fails_where_the_id_does_not_come_back(cli, folder, other, monkeypatch, presence, code):
     import meshmark.cli.demo as program
     import meshmark.report.demo as drawing
     import meshmark.schemes.ncdg_lv as scheme
@@ -81,7 +90,7 @@ def test_the_demo_fails_where_the_id_does_not_come_back(cli, folder, monkeypatch
     true = scheme.extract(mm.read_mesh(folder / "changed.glb"), mm.Key.load(folder / "demo.key"))
     wrong = replace(true, presence=presence, id=1 if presence == "present" else None)
     monkeypatch.setattr(scheme, "extract", lambda *_, **__: wrong)
-    ran = cli("demo", "--out", folder)
+    ran = cli("demo", other, "--out", folder)
     assert ran.code == code
     assert "did not come back" in ran.out
 
