@@ -9,14 +9,14 @@ import numpy as np
 
 from meshmark.benchmark.aggregate import groups
 from meshmark.benchmark.drawing import COLOURS, DASHES, INK, SOFT, draw
-from meshmark.benchmark.layout import Entry, Plot, percent
+from meshmark.benchmark.layout import Entry, Panel, Plot, percent
 from meshmark.benchmark.row import Row
 from meshmark.mesh import FloatArray
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["calibration_plot", "share_at_or_below"]
+__all__ = ["calibration_panel", "calibration_plot", "share_at_or_below"]
 
 _TRIALS = ("unmarked", "wrong key")
 
@@ -33,6 +33,12 @@ def calibration_plot(rows: Sequence[Row]) -> Plot | None:
         words = f"{scheme}, {trial} (n = {len(part)})"
         entries.append(Entry(words, (2 * schemes.index(scheme) + _TRIALS.index(trial)) % len(COLOURS)))
         samples.append(np.array([row.log10_false_positive for row in part], float))
+    panel = calibration_panel(entries, samples)
+    return Plot("Are the claimed false-positive rates true?", _CAPTION, (panel,), tuple(entries))
+
+
+def calibration_panel(entries: Sequence[Entry], samples: Sequence[FloatArray]) -> Panel:
+    """Return the picture alone, from the log10 bounds (n,) of each entry's trials, n at least 1."""
     least = -1.0 - np.ceil(np.log10(max(len(sample) for sample in samples)))
 
     def paint(axes: Axes) -> None:
@@ -49,8 +55,7 @@ def calibration_plot(rows: Sequence[Row]) -> Plot | None:
         for entry, sample in zip(entries, samples, strict=True)
     )
     alt = f"Share of trials with a bound of p or less against p. {said}"
-    panel = draw("calibration", alt, paint, height=2.9, words=["10^-1 sec"])
-    return Plot("Are the claimed false-positive rates true?", _CAPTION, (panel,), tuple(entries))
+    return draw("calibration", alt, paint, height=2.9, words=["10^-1 sec"])
 
 
 def share_at_or_below(log10_bounds: FloatArray, at: float) -> float:
