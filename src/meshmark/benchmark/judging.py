@@ -25,7 +25,7 @@ from meshmark.metrics.psnr import psnr_db
 from meshmark.schemes import SCHEMES
 from meshmark.schemes.scheme import Bits, Readout, Scheme
 
-__all__ = ["judge"]
+__all__ = ["attacked_psnr_db", "judge"]
 
 # Cases of a model follow each other.
 _KEPT = 2
@@ -59,11 +59,11 @@ def judge(data: Path, out: Path, case: Case) -> Outcome:
         "extract_seconds": seconds,
         "vertices_per_second": len(attacked.vertices) / seconds,
     }
-    figures["attacked_psnr_db"] = _attacked_psnr_db(whole, made)
+    figures["attacked_psnr_db"] = attacked_psnr_db(whole, made)
     return Outcome("ok", figures={**figures, **times})
 
 
-def _attacked_psnr_db(whole: Mesh, made: Attacked) -> float | None:
+def attacked_psnr_db(whole: Mesh, made: Attacked) -> float | None:
     """Return the PSNR of what is left of the original's vertices; None where nothing tells which they are."""
     if made.origin is None or not (made.origin >= 0).any():
         return None

@@ -148,11 +148,13 @@ class _Run:
     def go(self) -> int:
         """Do the work and return how many cases and probes there was no time for."""
         self._keep(self.schedule.fallen())
-        while self._more() or self.crew.busy:
-            while self._more() and self.crew.free:
+        while True:
+            while self.crew.free and self._more():
                 job = self.schedule.take()
                 self.begun.add(model_of(job))
                 self.crew.submit(job)
+            if not self.crew.busy:
+                return self.total - self.done
             for job, outcome in self.crew.finished():
                 if isinstance(job, Case | Probe):
                     self._keep([(job, outcome)])
@@ -161,7 +163,6 @@ class _Run:
                 self.schedule.done(job, outcome)
             self._keep(self.schedule.fallen())
             self.store.spent(perf_counter() - self.start)
-        return self.total - self.done
 
     def _more(self) -> bool:
         """Return whether a job is to be given out: when the time is over, only for models that were begun."""
