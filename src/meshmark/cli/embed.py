@@ -48,11 +48,12 @@ def embed(
         ),
     ] = None,
     tolerance: Annotated[
-        Tolerance,
+        Tolerance | None,
         typer.Option(
-            help="strict: every change above the file's precision counts; tolerant: rounding to 16 bits does not."
+            help="strict: every change above the file's precision counts; tolerant: rounding to 16 bits does not. "
+            "Without this option also rounding to six digits does not, where there is room."
         ),
-    ] = Tolerance.strict,
+    ] = None,
     certificate: Annotated[
         Path | None,
         typer.Option(metavar="CERT", help="Also write a certificate, with which damaged copies are read."),
@@ -81,8 +82,9 @@ def embed(
     number = None if identity is None else parse_id(identity)
     secret = Key.load(key)
     wanted = None if layers is None else layers.value
+    coarse = None if tolerance is None else tolerance.value
     with progress("marking"):
-        result = embed_file(model, out, secret, number, strength.value, wanted, carried, tolerance.value)
+        result = embed_file(model, out, secret, number, strength.value, wanted, carried, coarse)
         if certificate is not None:
             result.certificate.save(certificate)
     for remark in result.remarks:

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.sparse.csgraph import connected_components
 
 from meshmark.errors import CapacityError, InputError
+from meshmark.geometry.adjacency import adjacency, unique_edges
+from meshmark.geometry.areas import face_areas
 from meshmark.geometry.frame import canonical_frame
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.recovery.mesh_coder import decode_mesh, encode_mesh
@@ -26,8 +29,8 @@ BITS = (4, 13)
 def miniature(points: FloatArray, faces: IntArray, size_bytes: int) -> bytes:
     """Return the surface in at most `size_bytes` bytes, in the canonical coordinates of its own frame.
 
-    points: (p, 3); faces: (m, 3). Raises `CapacityError` where the bytes are too few even for a crude shape,
-    `InputError` where there is no surface.
+    Of many parts that do not fit the smallest are left out. points: (p, 3); faces: (m, 3). Raises `CapacityError`
+    where the bytes are too few even for a crude shape, `InputError` where there is no surface.
     """
     canonical = canonical_frame(points, faces).to_canonical(points)
     count = min(int(8 * size_bytes / BITS_OF_POINT), LARGEST_POINTS)
@@ -40,11 +43,24 @@ def miniature(points: FloatArray, faces: IntArray, size_bytes: int) -> bytes:
         if len(content) <= size_bytes:
             best = content
             break
-        count = int(len(few) * min(0.97, size_bytes / len(content)))
-        few, small = simplify(few, small, max(count, 4))
+        count = max(int(len(few) * min(0.97, size_bytes / len(content))), 4)
+        few, small = simplify(few, small, count)
+        if len(few) > 1.03 * count:  # parts that cannot get simpler: the smallest go
+            few, small = _largest_parts(few, small, count)
     if best is None:
-        raise CapacityError(f"a miniature does not fit {size_bytes} bytes, expected {SMALLEST} or more")
+        raise CapacityError(f"a miniature of this model does not fit {size_bytes} bytes, expected more")
     return best
+
+
+def _largest_parts(points: FloatArray, faces: IntArray, count: int) -> tuple[FloatArray, IntArray]:
+    """Return the connected parts of most area, about `count` points in all, at least one part."""
+    part = connected_components(adjacency(unique_edges(faces), len(points)), directed=False)[1]
+    area = np.bincount(part[faces[:, 0]], face_areas(points, faces), part.max() + 1)
+    order = np.argsort(-area, kind="stable")
+    kept = order[: max(int((np.cumsum(np.bincount(part)[order]) <= count).sum()), 1)]
+    stays = np.isin(part, kept)
+    number = np.cumsum(stays) - 1
+    return points[stays], number[faces[stays[faces[:, 0]]]]
 
 
 def _encoded(points: FloatArray, faces: IntArray) -> bytes:

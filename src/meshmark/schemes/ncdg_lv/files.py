@@ -31,7 +31,7 @@ def embed_file(
     strength: str = "standard",
     layers: str | None = None,
     payload: Content = None,
-    tolerance: str = "strict",
+    tolerance: str | None = None,
 ) -> Embedding:
     """Mark the model file `model` and write the result to `out`; see `embed` for the arguments.
 

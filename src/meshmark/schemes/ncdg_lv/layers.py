@@ -18,9 +18,9 @@ from meshmark.mesh import Mesh
 from meshmark.schemes.ncdg_lv.authentication.checks import Checks, check
 from meshmark.schemes.ncdg_lv.authentication.content import Asked, Content, content_for, content_of
 from meshmark.schemes.ncdg_lv.authentication.localisation import altered_points
-from meshmark.schemes.ncdg_lv.authentication.marks import mark, plan
-from meshmark.schemes.ncdg_lv.authentication.payload import decode, encoder
-from meshmark.schemes.ncdg_lv.authentication.precision import precision_of
+from meshmark.schemes.ncdg_lv.authentication.marks import Plan, mark, plan
+from meshmark.schemes.ncdg_lv.authentication.payload import capacity, decode, encoder
+from meshmark.schemes.ncdg_lv.authentication.precision import Precision, precisions_of
 from meshmark.schemes.ncdg_lv.embedding import diagonal_of, displacement_rms
 from meshmark.schemes.ncdg_lv.embedding import embed as embed_ownership
 from meshmark.schemes.ncdg_lv.extraction import extract
@@ -45,7 +45,7 @@ def embed(
     strength: str = "standard",
     layers: str | None = None,
     payload: Content = None,
-    tolerance: str = "strict",
+    tolerance: str | None = None,
 ) -> Embedding:
     """Return `mesh` carrying a 64-bit id, and marks that tell what was changed later, under `key`.
 
@@ -55,7 +55,8 @@ def embed(
     alone where the model has no room for authentication, which a remark then says.
     payload: "miniature" (of the model, for its recovery), "none", bytes, or the path of a file; None: a miniature,
     or none where it does not fit.
-    tolerance: "strict", or "tolerant" of exports that round coordinates to 16 bits or six digits.
+    tolerance: "strict", or "tolerant" of exports that round coordinates to 16 bits or six digits; None: of six
+    digits where the payload need not suffer (`precisions_of`).
 
     All is read back blind before this returns. Raises `InputError` for arguments that cannot be used,
     `CapacityError` where the mesh cannot carry what is asked for.
@@ -129,7 +130,9 @@ def _unmarked(mesh: Mesh, identity: int, strength: str) -> Embedding:
     )
 
 
-def _both(mesh: Mesh, key: Key, identity: int, strength: str, content: Asked, tolerance: str) -> Embedding:
+def _both(
+    mesh: Mesh, key: Key, identity: int, strength: str, content: Asked, tolerance: str | None
+) -> Embedding:
     """Return both layers; a second time with less of the budget for the lower one where the first is too much."""
     below = embed_ownership(mesh, key, id=identity, strength=strength)
     try:
@@ -158,7 +161,7 @@ class _OverBudgetError(CapacityError):
         self.rms = rms
 
 
-def _on_top(below: Embedding, original: Mesh, key: Key, content: Asked, tolerance: str) -> Embedding:
+def _on_top(below: Embedding, original: Mesh, key: Key, content: Asked, tolerance: str | None) -> Embedding:
     """Return the result with the authentication layer on it, read back."""
     upper = _marked(below, original, key, content, tolerance)
     diagonal = diagonal_of(original)
@@ -188,20 +191,36 @@ def _on_top(below: Embedding, original: Mesh, key: Key, content: Asked, toleranc
     )
 
 
-def _marked(below: Embedding, original: Mesh, key: Key, content: Asked, tolerance: str) -> _Upper:
+def _marked(below: Embedding, original: Mesh, key: Key, content: Asked, tolerance: str | None) -> _Upper:
     mesh = below.mesh
-    precision = precision_of(mesh, tolerance)
     surface = weld(mesh)
-    planned = plan(surface, key, precision)
+    planned, precision = _planned(mesh, surface, key, tolerance)
     symbols = len(np.unique(planned.payload_index))
     packed, remarks = content_for(content, surface.points, surface.faces, symbols, planned.symbol_bits)
     source = encoder(packed, planned.symbol_bits, symbols)
-    marked = mark(surface, key, below.id, source, precision)
+    marked = mark(surface, key, below.id, source, precision.error)
     moved = (marked.points != surface.points).any(axis=1)[surface.point_of_vertex]
     vertices = np.where(moved[:, None], marked.points[surface.point_of_vertex], mesh.vertices)
     result = mesh.with_vertices(conform(original, vertices))
     _read_back(result, key, below.id, packed)
+    if precision.remark is not None:
+        remarks += (precision.remark,)
     return _Upper(result, marked.count, max(len(packed) - 1, 0), remarks)
+
+
+def _planned(mesh: Mesh, surface: Welded, key: Key, tolerance: str | None) -> tuple[Plan, Precision]:
+    """Return the marks for the coarsest precision that leaves room for what it must."""
+    choices = precisions_of(mesh, tolerance)
+    for precision in choices:
+        try:
+            planned = plan(surface, key, precision.error)
+        except CapacityError:
+            if precision is choices[-1]:
+                raise
+            continue
+        if 8 * capacity(planned.payload_marks, planned.symbol_bits) >= precision.enough * len(surface.points):
+            break
+    return planned, precision
 
 
 def _read_back(mesh: Mesh, key: Key, identity: int, packed: bytes) -> None:

@@ -7,7 +7,7 @@ try.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from itertools import product
 from typing import Final
 
@@ -34,6 +34,7 @@ __all__ = [
     "PAYLOAD",
     "PLACE",
     "Candidates",
+    "beside",
     "candidates",
     "eligible",
     "joined",
@@ -58,8 +59,8 @@ class Candidates:
     vertex: (c,) the middle points. level: (c,) of the step; step: (c,) in scene units. axes: (c, 3, 3) rows.
     centre: (c, 3) the mean of the ring. kind: (c,) HEADER, PLACE or PAYLOAD; index: (c,) uint32 of the symbol.
     words: (c, 7) uint64, the ring's keyed numbers. place: (c, 3) of the point in its ring, in steps, less the
-    dither: a mark has whole numbers here. rim: (c,) a bit for each neighbour that is on a boundary, in the
-    ring's order.
+    dither: a mark has whole numbers here; whole: (c, 3) those that are tried. rim: (c,) a bit for each neighbour
+    that is on a boundary, in the ring's order.
     """
 
     vertex: IntArray
@@ -71,6 +72,7 @@ class Candidates:
     index: NDArray[np.uint32]
     words: NDArray[np.uint64]
     place: FloatArray
+    whole: IntArray
     rim: IntArray
 
     def take(self, rows: IntArray | NDArray[np.bool_]) -> Candidates:
@@ -83,6 +85,18 @@ def joined(parts: list[Candidates]) -> Candidates:
     return Candidates(
         *(np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(Candidates))
     )
+
+
+def beside(found: Candidates, least: float) -> Candidates:
+    """Return the candidates with the next whole numbers, along all axes on which they are `least` off and more."""
+    off = found.place - found.whole
+    next_ = np.where(np.abs(off) >= least, np.sign(off), 0.0).astype(np.int64)
+    parts = []
+    for axes in list(product((0, 1), repeat=3))[1:]:
+        rows = np.flatnonzero((next_[:, np.array(axes) == 1] != 0).all(axis=1))
+        some = found.take(rows)
+        parts.append(replace(some, whole=some.whole + next_[rows] * axes))
+    return joined(parts)
 
 
 def level_of(shapes: RingShapes, unit: float) -> FloatArray:
@@ -155,6 +169,7 @@ def candidates(
         index,
         words,
         place,
+        np.round(place).astype(np.int64),
         rim,
     )
 

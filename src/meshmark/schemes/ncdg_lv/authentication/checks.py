@@ -35,9 +35,9 @@ class Checks:
     eligible: (p,) whose ring could have carried a mark, so that one of their closed ring does in an intact
     model. passed: (p,) whose mark holds. verified: (p,) in the closed ring of a mark that holds. nonce: the
     model's id, None where the marks do not tell. index, value, vertex: (k,) payload symbols read, and the
-    points that carry them. symbol_bits: of each. step: the smallest quantiser step in scene units, 0 where none
-    was found. log10_chance: bound on the chance that so many marks hold without the key. torn: (p,) on a
-    boundary now, though a mark next to it says that it was not.
+    points that carry them. symbol_bits: of each. step: that of a ring of spread 1, in scene units, as far as the
+    marks tell it, 0 where there are none. log10_chance: bound on the chance that so many marks hold without the
+    key. torn: (p,) on a boundary now, though a mark next to it says that it was not.
     """
 
     eligible: NDArray[np.bool_]
@@ -74,7 +74,7 @@ def check(surface: Welded, key: Key, nonce: int | None = None) -> Checks:
     pairs = _pairs(rings, passed)
     whole = np.zeros(len(points), bool)
     whole[found.vertex[read.holds & ~read.torn]] = True
-    torn = _torn(rings, found.vertex[read.torn], whole)
+    torn = _torn(rings, found.vertex[read.torn], whole, 2 if swept.rounded else 1)
     able = swept.able | torn
     place = read.holds & (found.kind == PLACE)
     evidence = Evidence(
@@ -84,7 +84,7 @@ def check(surface: Welded, key: Key, nonce: int | None = None) -> Checks:
         place_values(read.symbol[place], layout.symbol),
         2.0 / (1 << layout.symbol),
     )
-    passed = in_place(faces, passed, pairs, able & ~_vouched(pairs, passed), evidence)
+    passed = in_place(faces, passed, pairs, able & ~_vouched(pairs, passed), evidence, int(swept.rounded))
     pairs = pairs[passed[pairs[:, 0]]]
     told = read.holds & (found.kind == PAYLOAD) & passed[found.vertex]
     told &= ~_outdone(pairs, found.vertex, np.where(read.holds, read.off, np.inf), len(points))[found.vertex]
@@ -103,17 +103,19 @@ def check(surface: Welded, key: Key, nonce: int | None = None) -> Checks:
     )
 
 
-def _torn(rings: list[Rings], vertex: IntArray, whole: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return (p,): the boundary points next to marks `vertex` that know of no boundary there.
+def _torn(rings: list[Rings], vertex: IntArray, whole: NDArray[np.bool_], least: int) -> NDArray[np.bool_]:
+    """Return (p,): the boundary points next to `least` or more marks `vertex` that know of no boundary there.
 
-    Not so where a mark whose ring is `whole` (p,) knows the boundary: then the other one holds by chance.
+    Not so where a mark whose ring is `whole` (p,) knows the boundary: then the other one holds by chance. In a
+    rounded file, where the window is wide, one alone may.
     """
-    torn = np.zeros(len(whole), bool)
-    marks = torn.copy()
+    told = np.zeros(len(whole), np.int64)
+    marks = np.zeros(len(whole), bool)
     marks[vertex] = True
     for group in rings:
         own = group.take(marks[group.vertex])
-        torn[own.around[own.rim]] = True
+        np.add.at(told, own.around[own.rim], 1)
+    torn = told >= least
     return torn & ~_vouched(_pairs(rings, whole), whole)
 
 

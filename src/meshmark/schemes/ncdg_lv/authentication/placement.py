@@ -23,6 +23,8 @@ __all__ = ["Evidence", "in_place"]
 _NEEDED = 12
 # A part may be this far from its place, in steps of the symbol; half a step is rounding.
 _SLACK = 1.0
+# And so many deviations of the fit, which a small part determines badly far away from it.
+_DOUBTS = 3.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,13 +48,14 @@ def in_place(
     pairs: IntArray,
     failing: NDArray[np.bool_],
     evidence: Evidence,
+    lucky: int = 0,
 ) -> NDArray[np.bool_]:
     """Return (p,): which of the marks that hold, `passed` (p,), to believe.
 
     pairs: (n, 2) each mark that holds and a point of its ring. failing: (p,) points that no mark vouches for,
     though one should. Marks that share points of their rings are one part. The largest part is believed;
     another one where most of its own evidence agrees with the largest part's, or, without any, where it touches
-    nothing that fails: a shell of its own.
+    nothing that fails: a shell of its own. lucky: so much evidence against a part may hold by chance.
     """
     part = _parts(pairs, len(passed))
     count = int(part.max(initial=-1)) + 1
@@ -65,7 +68,7 @@ def in_place(
     for start, end in (edges.T, edges[:, ::-1].T):
         touched[part[start[failing[end] & ~failing[start]]]] = True
     touched[part[failing]] = True
-    believed = np.where(disputes > agrees, False, (agrees >= _least(agrees, touched)))
+    believed = np.where(disputes > agrees + lucky, False, (agrees >= _least(agrees, touched)))
     believed[main] = True
     return passed & believed[part]
 
@@ -83,16 +86,20 @@ def _parts(pairs: IntArray, count: int) -> IntArray:
 def _votes(part: IntArray, main: int, evidence: Evidence, count: int) -> tuple[IntArray, IntArray]:
     """Return how many marks of each part lie, and do not lie, where the largest part puts them."""
     own = part[evidence.vertex] == main
-    misfit = _misfit(evidence, own)
-    if misfit is None:
+    found = _misfit(evidence, own)
+    if found is None:
         return np.zeros(count, np.int64), np.zeros(count, np.int64)
-    right = misfit <= (0.5 + _SLACK) * evidence.step
+    misfit, doubt = found
+    right = misfit <= (0.5 + _SLACK) * evidence.step + _DOUBTS * doubt
     where = part[evidence.vertex]
     return np.bincount(where[right], minlength=count), np.bincount(where[~right], minlength=count)
 
 
-def _misfit(evidence: Evidence, own: NDArray[np.bool_]) -> FloatArray | None:
-    """Return (e,): how far each mark lies from where it says, after the similarity that suits `own` (e,) best."""
+def _misfit(evidence: Evidence, own: NDArray[np.bool_]) -> tuple[FloatArray, FloatArray] | None:
+    """Return how far each mark lies from where it says, after the similarity that suits `own` (e,) best.
+
+    And how far off that similarity may be there: one standard deviation, from the rounding of the values.
+    """
     if own.sum() < _NEEDED:
         return None
     middle = evidence.centre[own].mean(axis=0)
@@ -107,14 +114,16 @@ def _misfit(evidence: Evidence, own: NDArray[np.bool_]) -> FloatArray | None:
         misfit = np.einsum("ei,ei->e", moved + shift, direction) - value
         use = own & (np.abs(misfit) <= max(3.0 * float(np.median(np.abs(misfit[own]))), evidence.step))
         columns = [np.cross(moved, direction), direction, np.einsum("ei,ei->e", moved, direction)[:, None]]
-        change = np.linalg.lstsq(np.concatenate(columns, axis=1)[use], -misfit[use], rcond=1e-9)[0]
+        rows = np.concatenate(columns, axis=1)
+        change = np.linalg.lstsq(rows[use], -misfit[use], rcond=1e-9)[0]
         turn = Rotation.from_rotvec(change[:3]).as_matrix() @ turn
         shift = shift + change[3:6]
         scale *= float(np.exp(np.clip(change[6], -1.0, 1.0)))
     misfit = np.einsum("ei,ei->e", scale * points @ turn.T + shift, direction) - value
     if np.median(np.abs(misfit[own])) > evidence.step:
         return None
-    return np.asarray(np.abs(misfit))
+    spread = np.linalg.pinv(rows[use].T @ rows[use], hermitian=True) * evidence.step**2 / 12.0
+    return np.abs(misfit), np.sqrt(np.einsum("ei,ij,ej->e", rows, spread, rows).clip(min=0.0))
 
 
 def _first_guess(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from meshmark.errors import InputError
@@ -9,7 +11,7 @@ from meshmark.io.save import conform
 from meshmark.mesh import Mesh
 from meshmark.schemes.ncdg_lv.authentication.parameters import FAR_AWAY
 
-__all__ = ["TOLERANCES", "precision_of"]
+__all__ = ["TOLERANCES", "Precision", "precision_of", "precisions_of"]
 
 TOLERANCES = ("strict", "tolerant")
 # Half the last digit of an export with six decimals.
@@ -18,6 +20,39 @@ _DECIMALS = 0.5e-6
 _FLOAT32 = 2.0**-24
 # Half the step of a grid of 16 bits, over the longest side.
 _GRID = 2.0**-17
+# Rounding to six significant digits may be so many times what a step is made for, at all but this share of the
+# vertices: half a step is 5.7 deviations of the error, and in rounded files a mark is found up to a whole step off.
+_FELT, _MOST = 2.0, 0.95
+
+
+@dataclass(frozen=True)
+class Precision:
+    """error: the largest of a coordinate, in scene units, that must not break a mark; enough: payload bits per
+    vertex that it must leave room for, to be chosen; remark: what is given up with it.
+    """
+
+    error: float
+    enough: float = 0.0
+    remark: str | None = None
+
+
+def precisions_of(mesh: Mesh, tolerance: str | None = None) -> tuple[Precision, ...]:
+    """Return what may be chosen for a model, coarsest first.
+
+    None: what the model's own file, six decimals, floats of 32 bits after a similarity transform, and an export
+    with six significant digits round; the last of these where it costs no needed payload, decimals where there is
+    room. Raises `InputError` for an unknown tolerance.
+    """
+    if tolerance is not None:
+        return (Precision(precision_of(mesh, tolerance)),)
+    strict, floats = precision_of(mesh), _floats(mesh)
+    chosen = [Precision(strict)]
+    if (digits := _six_digits(mesh)) > strict:
+        chosen.insert(0, Precision(digits, enough=1.0))
+    if floats < strict:
+        remark = "the model is so small that the marks of authentication need more than six decimals"
+        chosen.append(Precision(floats, remark=f"{remark}: in exports with fewer it is called altered"))
+    return tuple(chosen)
 
 
 def precision_of(mesh: Mesh, tolerance: str = "strict") -> float:
@@ -29,16 +64,27 @@ def precision_of(mesh: Mesh, tolerance: str = "strict") -> float:
     """
     if tolerance not in TOLERANCES:
         raise InputError(f"unknown tolerance '{tolerance}', expected one of {', '.join(TOLERANCES)}")
-    vertices = mesh.vertices
-    extent = np.ptp(vertices, axis=0)
-    farthest = float(np.abs(vertices).max())
-    diagonal = float(np.linalg.norm(extent))
-    own = _own(mesh, float(extent.max()))
-    strict = max(_DECIMALS, FAR_AWAY * diagonal, 2.0 * _FLOAT32 * (farthest + diagonal), own)
+    strict = max(_DECIMALS, _floats(mesh))
     if tolerance == "strict":
         return strict
-    digits = 0.5 * 10.0 ** (np.ceil(np.log10(farthest)) - 6.0)
-    return max(strict, float(digits), _GRID * float(extent.max()))
+    digits = 0.5 * 10.0 ** (np.ceil(np.log10(float(np.abs(mesh.vertices).max()))) - 6.0)
+    return max(strict, float(digits), _GRID * float(np.ptp(mesh.vertices, axis=0).max()))
+
+
+def _floats(mesh: Mesh) -> float:
+    """Return what the mesh's own file, and 32-bit floats after a similarity transform, round."""
+    extent = np.ptp(mesh.vertices, axis=0)
+    diagonal = float(np.linalg.norm(extent))
+    farthest = float(np.abs(mesh.vertices).max())
+    return max(FAR_AWAY * diagonal, 2.0 * _FLOAT32 * (farthest + diagonal), _own(mesh, float(extent.max())))
+
+
+def _six_digits(mesh: Mesh) -> float:
+    """Return what six significant digits round, as an error of all coordinates alike that marks feel as much."""
+    size = np.maximum(np.abs(mesh.vertices), np.finfo(float).tiny)
+    half = 0.5 * 10.0 ** (np.floor(np.log10(size)) - 5.0)
+    felt = np.sqrt((half**2).mean(axis=1))
+    return float(np.quantile(felt, _MOST)) / _FELT
 
 
 def _own(mesh: Mesh, size: float) -> float:

@@ -40,15 +40,13 @@ def read_marks(found: Candidates, key: Key, layout: Layout, nonce: int | None) -
     farther off holds by chance, or was moved by less than a step. A mark beside a boundary that would hold if there
     were none is a mark beside a hole that was made.
     """
-    places = np.round(found.place)
-    off = np.abs(found.place - places).max(axis=1)
-    whole = places.astype(np.int64)
+    off = np.abs(found.place - found.whole).max(axis=1)
     symbol = np.zeros(len(off), np.int64)
     holds, torn = np.zeros(len(off), bool), np.zeros(len(off), bool)
     last, window = -1.0, _WINDOW
     while window > last:  # a narrow window first: few files need more
         rows = np.flatnonzero((off > last) & (off <= window))
-        symbol[rows], holds[rows], torn[rows] = _read(found.take(rows), whole[rows], key, layout, nonce)
+        symbol[rows], holds[rows], torn[rows] = _read(found.take(rows), key, layout, nonce)
         last = window
         window = _WINDOW + _WINDOWS * float(np.median(off[holds])) if holds.any() else 1.0
     holds &= off <= window
@@ -56,9 +54,10 @@ def read_marks(found: Candidates, key: Key, layout: Layout, nonce: int | None) -
 
 
 def _read(
-    found: Candidates, whole: IntArray, key: Key, layout: Layout, nonce: int | None
+    found: Candidates, key: Key, layout: Layout, nonce: int | None
 ) -> tuple[IntArray, NDArray[np.bool_], NDArray[np.bool_]]:
-    """Return the symbols (c,) of whole places (c, 3), whether they hold, and whether only without a boundary."""
+    """Return the symbols (c,) of the whole places, whether they hold, and whether only without a boundary."""
+    whole = found.whole
     bound = bind(found, key, nonce)
     symbol, holds = symbols_at(whole, found.rim, bound, layout)
     torn = np.zeros(len(whole), bool)
@@ -77,7 +76,7 @@ def chance_of(found: Candidates, holds: NDArray[np.bool_], layout: Layout) -> fl
     Points that lie alike in rings that are alike count once: their marks hold or fail together. How many are tried
     depends on what holds, so all numbers of tries count.
     """
-    cells = np.round(found.place).astype(np.int64).view(np.uint64) @ _MIX
+    cells = found.whole.view(np.uint64) @ _MIX
     tries = found.words[:, 0] ^ cells
     total, held = len(np.unique(tries)), len(np.unique(tries[holds]))
     luck = 2.0**-layout.check

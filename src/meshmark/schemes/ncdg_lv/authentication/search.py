@@ -95,11 +95,10 @@ def _best(
     if nonce is None:
         size, found = size[found.kind == HEADER], found.take(found.kind == HEADER)
     bound = bind(found, key, nonce)
-    places = np.round(found.place).astype(np.int64)
     order = np.argsort(size)
     best: Setting | None = None
     for layout in LAYOUTS.values():
-        _, holds = symbols_at(places, found.rim, bound, layout)
+        _, holds = symbols_at(found.whole, found.rim, bound, layout)
         held = order[holds[order]]
         first, last = _densest(size[held])
         if last - first > (best.count if best is not None else 0):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,7 @@ from meshmark.carriers.rings import Rings
 from meshmark.carriers.rings_shape import RingShapes
 from meshmark.coding.keys import Key
 from meshmark.mesh import FloatArray
-from meshmark.schemes.ncdg_lv.authentication.candidates import HEADER, Candidates, eligible, joined
+from meshmark.schemes.ncdg_lv.authentication.candidates import HEADER, Candidates, beside, eligible, joined
 from meshmark.schemes.ncdg_lv.authentication.reading import Read, read_marks
 from meshmark.schemes.ncdg_lv.authentication.search import Setting, all_candidates, plain_candidates
 from meshmark.schemes.ncdg_lv.authentication.symbols import read_header
@@ -21,6 +21,9 @@ __all__ = ["Sweep", "sweep", "vouched"]
 
 # A point counts as covered only where its ring could have had a mark by this much.
 _MARGIN = 1.1
+# Where marks are so far off their whole places at the median, in steps, the file was rounded to few digits. Then
+# the next whole places are tried, too, of marks that are at least this far off.
+_ROUNDED, _NEAR = 0.03, 0.15
 _Parts = list[tuple[Rings, RingShapes]]
 
 
@@ -28,13 +31,14 @@ _Parts = list[tuple[Rings, RingShapes]]
 class Sweep:
     """found: (c,) the candidates tried; read: what they say; nonce: the model's id, as given or as they tell.
 
-    able: (p,) points whose ring could carry a mark.
+    able: (p,) points whose ring could carry a mark. rounded: the file was rounded to few digits.
     """
 
     found: Candidates
     read: Read
     nonce: int
     able: NDArray[np.bool_]
+    rounded: bool
 
 
 def sweep(points: FloatArray, parts: _Parts, setting: Setting, key: Key, nonce: int | None) -> Sweep | None:
@@ -42,6 +46,7 @@ def sweep(points: FloatArray, parts: _Parts, setting: Setting, key: Key, nonce: 
 
     A mark's plain reading may be off where a length was rounded across a boundary: then its ring has no voucher.
     So all ways are tried for points without a voucher and for those next to them, which are few in an intact model.
+    In a file of few digits their next whole places are tried as well.
     """
     able = np.zeros(len(points), bool)
     for group, shape in parts:
@@ -65,7 +70,17 @@ def sweep(points: FloatArray, parts: _Parts, setting: Setting, key: Key, nonce: 
         if told is None:
             return None
         read = read_marks(found, key, setting.layout, told)
-    return Sweep(found, read, told, able)
+    rounded = bool(read.holds.any() and np.median(read.off[read.holds]) > _ROUNDED)
+    if rounded:
+        held[:] = False
+        held[found.vertex[read.holds & ~read.torn]] = True
+        again = _around(parts, able & ~vouched(parts, held))
+        first = len(found.vertex)
+        found = joined([found, beside(found.take(again[found.vertex]), _NEAR)])
+        read = read_marks(found, key, setting.layout, told)
+        lucky = read.torn & (np.arange(len(found.vertex)) >= first)  # so many tries would make holes
+        read = replace(read, holds=read.holds & ~lucky, torn=read.torn & ~lucky)
+    return Sweep(found, read, told, able, rounded)
 
 
 def vouched(parts: _Parts, passed: NDArray[np.bool_]) -> NDArray[np.bool_]:
