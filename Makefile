@@ -20,8 +20,8 @@ $(VENV)/.stamp: pyproject.toml constraints.txt
 demo: setup  ## the whole way on one model, into demo-out/
 	$(BIN)/meshmark demo --out demo-out
 
-test: setup  ## all tests
-	$(BIN)/python -m pytest
+test: setup  ## all tests, in a process on each core (four at most)
+	$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist loadfile
 
 check: setup  ## style and types
 	$(BIN)/ruff check .
