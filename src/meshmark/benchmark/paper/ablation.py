@@ -3,23 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 
 from meshmark.benchmark.intervals import mean
 from meshmark.benchmark.job import Outcome, Probe
 from meshmark.benchmark.labels import label
-from meshmark.benchmark.layout import NOTHING, Cell, Table, number, percent
+from meshmark.benchmark.layout import NOTHING, Cell, Table
+from meshmark.benchmark.paper.ablated_regions import Figures, area, map_table, told, verdict_table
 from meshmark.benchmark.paper.claims import ABLATION, DOUBTS
 from meshmark.benchmark.paper.compared import standing
 from meshmark.benchmark.paper.measured import OWN, Group, Measured, db_cell, share_cell
 from meshmark.schemes.ablation.modules import EMBEDDINGS
-from meshmark.schemes.ncdg_lv.authentication.region_training import area_under_curve
 
 __all__ = ["ablation_tables"]
-
-Figures = Mapping[str, Mapping[str, Any]]
 
 _SCHEMES = tuple(EMBEDDINGS.values())
 # Which of our rows comes nearest to each of the paper's: the map's modules, and the scheme of its embedding.
@@ -29,8 +26,6 @@ _NEAREST = (
     ("nc_dgg + map", "lsb"),
     ("nc_dgg + map", OWN),
 )
-_WORDS = {"nc_dgg": "NC-DGG", "random": "random vertices", "laplace_beltrami": "Laplace–Beltrami", "map": "map",
-          "k_means": "k-means", "fuzzy_c_means": "fuzzy c-means"}  # fmt: skip
 
 
 def ablation_tables(measured: Measured, probes: Mapping[Probe, Outcome]) -> list[Table]:
@@ -38,7 +33,7 @@ def ablation_tables(measured: Measured, probes: Mapping[Probe, Outcome]) -> list
     regions, carriers = _found(probes, "regions"), _found(probes, "carriers")
     tables = [_paper(measured, regions)]
     if regions:
-        tables += [_maps(regions), _verdicts(regions)]
+        tables += [map_table(regions), verdict_table(regions)]
     if carriers:
         tables.append(_carriers(carriers))
     if all(measured.of(name, "none") for name in _SCHEMES):
@@ -62,11 +57,11 @@ def _paper(measured: Measured, regions: Sequence[Figures]) -> Table:
                 Cell(claim.modules),
                 Cell(f"{claim.train:.2f}"),
                 Cell(f"{claim.test:.2f}"),
-                Cell(_told(choice), f"id by {scheme}"),
+                Cell(told(choice), f"id by {scheme}"),
                 db_cell(list(psnr.values())),
                 share_cell(list(clean.values())),
                 share_cell(list(attacked.values())),
-                Cell(_area(regions, choice, "network")),
+                Cell(area(regions, choice, "network")),
             )
         )
     columns = (
@@ -87,70 +82,6 @@ def _paper(measured: Measured, regions: Sequence[Figures]) -> Table:
     return Table("Ablation: the paper's table", columns, tuple(rows), note)
 
 
-def _maps(regions: Sequence[Figures]) -> Table:
-    rows = []
-    for choice in regions[0]:
-        own = [figures[choice] for figures in regions if choice in figures]
-        agreement = [f["agreement"] for f in own if f["agreement"] is not None]
-        called = [value for f in own for value in f["called"]]
-        balance = [f["balance"] for f in own]
-        rows.append(
-            (
-                Cell(_told(choice)),
-                Cell(number(float(np.median(balance))), f"worst {number(max(balance))}"),
-                _plain(agreement),
-                _plain(called),
-                Cell(f"{number(1000 * float(np.median([f['seconds'] for f in own])))} ms"),
-            )
-        )
-    columns = (
-        "saliency + segmentation",
-        "balance",
-        "same region on a copy",
-        "called, of the surface",
-        "time",
-    )
-    note = (
-        f"{len(regions)} models. Balance: largest over mean share of a region in its half, 1 is what eq. 7 "
-        "asks for, median. Same region on a copy: share of points that the map puts into the same region "
-        "after 0.3 % noise, a turn and a shuffle of the vertices; more is better. Called: area of the "
-        "regions called altered after local edits; less names the place better. The per-point map, "
-        "recovery and id depend on none of these modules."
-    )
-    return Table("Ablation: saliency and segmentation", columns, tuple(rows), note)
-
-
-def _verdicts(regions: Sequence[Figures]) -> Table:
-    rows = []
-    for choice in regions[0]:
-        for rule, words in (("network", "LM network"), ("rule", "binomial rule")):
-            scores, truth = _pooled(regions, choice, rule)
-            called = scores > 0.0
-            rows.append(
-                (
-                    Cell(_told(choice)),
-                    Cell(words),
-                    Cell(str(len(truth)), f"{int(truth.sum())} altered"),
-                    Cell(_area(regions, choice, rule)),
-                    Cell(percent(_mean(~called[truth]), 2)),
-                    Cell(percent(_mean(called[~truth]), 2)),
-                )
-            )
-    columns = (
-        "saliency + segmentation",
-        "extraction",
-        "regions",
-        "area under ROC",
-        "altered, missed",
-        "intact, called",
-    )
-    note = (
-        "Regions of models marked for authentication, untouched and after local edits: bump, dent, moved, "
-        "deleted or replaced part."
-    )
-    return Table("Ablation: extraction, verdicts on regions", columns, tuple(rows), note)
-
-
 def _carriers(carriers: Sequence[Figures]) -> Table:
     rows = []
     for rule, words in (("network", "LM network"), ("rule", "plain rule")):
@@ -169,7 +100,7 @@ def _carriers(carriers: Sequence[Figures]) -> Table:
     )
     readings = sum(len(figures["rule"]["errors"]) for figures in carriers)
     note = (
-        f"{readings} readings of {len(carriers)} models after noise 0.5 % and smoothing 10 times by "
+        f"Readings: {readings}, models: {len(carriers)}; after noise 0.5 % and smoothing 10 times by "
         "0.1, in the frame found by a lock that succeeded, as the network is used. Means over "
         "models, 95 % intervals."
     )
@@ -194,24 +125,6 @@ def _embedding(measured: Measured) -> Table:
     return Table("Ablation: embedding", columns, tuple(rows), note)
 
 
-def _pooled(regions: Sequence[Figures], choice: str, rule: str) -> tuple[Any, Any]:
-    own = [figures[choice] for figures in regions if choice in figures]
-    scores = np.concatenate([np.asarray(f[rule], float) for f in own])
-    truth = np.concatenate([np.asarray(f["altered"], float) > 0.5 for f in own])
-    return scores, truth
-
-
-def _area(regions: Sequence[Figures], choice: str, rule: str) -> str:
-    if not any(choice in figures for figures in regions):
-        return NOTHING
-    scores, truth = _pooled(regions, choice, rule)
-    return f"{area_under_curve(scores, truth):.4f}" if truth.any() and not truth.all() else NOTHING
-
-
-def _told(choice: str) -> str:
-    return " + ".join(_WORDS.get(part, part) for part in choice.split(" + "))
-
-
 def _plain(values: Sequence[float]) -> Cell:
     """Return a share that has no good end."""
     cell = share_cell(values)
@@ -225,7 +138,3 @@ def _plain_number(values: Sequence[float]) -> Cell:
         if found is None
         else Cell(f"{found.value:.3f}", f"{found.low:.2f}–{found.high:.2f}, n {found.count}")
     )
-
-
-def _mean(flags: Any) -> float | None:
-    return float(np.mean(flags)) if len(flags) else None
