@@ -34,6 +34,8 @@ def recover(
     if found.mesh is None:
         answer(f"Not recovered: {model}. {found.advice}", found.to_dict(), as_json)
         return 1
+    if found.lost:
+        say(f"meshmark: {out.name} will not hold the model's {', '.join(found.lost)}: its faces change")
     report = write_mesh(found.mesh, out)
     if report.dropped:
         say(f"meshmark: {out.name} cannot hold the model's {', '.join(report.dropped)}")

@@ -11,10 +11,13 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from meshmark.io.document import Attributes, Document
-from meshmark.io.formats import FORMATS
+from meshmark.io.formats import FORMATS, Converted
+from meshmark.io.gltf import GltfDocument
+from meshmark.io.gltf_remesh import can_remesh, remeshed
+from meshmark.io.source import SourceFile
 from meshmark.mesh import FloatArray, IntArray, Mesh
 
-__all__ = ["derived"]
+__all__ = ["derived", "losses"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,9 +37,19 @@ class _Derived:
         return vertices.copy()
 
     def patched(self, vertices: FloatArray, name: str) -> Mapping[str, bytes]:
-        entry = FORMATS[self.format]
-        files, _ = entry.convert(vertices, self.faces, self.attributes(), name)
-        return files
+        if (document := _gltf(self.base)) is not None:
+            return remeshed(document, vertices, self.faces, self.origin, name)
+        return self._converted(vertices, name)[0]
+
+    def lost(self) -> tuple[str, ...]:
+        """Return the names of what the file held that one with other faces does not."""
+        if _gltf(self.base) is not None:
+            return ()
+        seams = () if self.base.attributes().seams is None else ("seams of its texture",)
+        return (*self._converted(self.vertices, "model")[1], *seams)
+
+    def _converted(self, vertices: FloatArray, name: str) -> Converted:
+        return FORMATS[self.format].convert(vertices, self.faces, self.attributes(), name)
 
     def attributes(self) -> Attributes:
         found = self.base.attributes()
@@ -59,7 +72,20 @@ class _Derived:
         return self.base.summary()
 
     def side_files(self) -> tuple[Path, ...]:
-        return ()
+        return () if _gltf(self.base) is None else self.base.side_files()
+
+
+def _gltf(base: Document) -> GltfDocument | None:
+    """Return the glTF whose primitives can be given other faces, if it is one."""
+    inner = base.document if isinstance(base, SourceFile) else base
+    return inner if isinstance(inner, GltfDocument) and can_remesh(inner) else None
+
+
+def losses(mesh: Mesh) -> tuple[str, ...]:
+    """Return the names of what the file of a mesh loses by its other faces; none for a mesh as its file has it."""
+    document = mesh.document
+    inner = document.document if isinstance(document, SourceFile) else document
+    return inner.lost() if isinstance(inner, _Derived) else ()
 
 
 def derived(mesh: Mesh, vertices: FloatArray, faces: IntArray, origin: IntArray) -> Mesh:
@@ -74,4 +100,7 @@ def derived(mesh: Mesh, vertices: FloatArray, faces: IntArray, origin: IntArray)
     if new.any():
         origin[new] = cKDTree(mesh.vertices).query(vertices[new])[1]
     plain = Mesh(vertices, faces)
-    return Mesh(vertices, faces, _Derived(mesh.document, plain.vertices, plain.faces, origin))
+    document = _Derived(mesh.document, plain.vertices, plain.faces, origin)
+    if isinstance(mesh.document, SourceFile):
+        return Mesh(vertices, faces, SourceFile(mesh.document.path, document))
+    return Mesh(vertices, faces, document)

@@ -13,7 +13,7 @@ from meshmark.coding.keys import Key
 from meshmark.errors import InputError
 from meshmark.geometry.areas import vertex_areas
 from meshmark.geometry.weld import Welded
-from meshmark.io.derived import derived
+from meshmark.io.derived import derived, losses
 from meshmark.io.save import conform
 from meshmark.mesh import IntArray, Mesh
 from meshmark.recovery.recovering import Recovered
@@ -31,7 +31,8 @@ class Recovery:
 
     mesh: the model with its altered parts as the miniature has them, as it is where nothing was altered; None
     where that cannot be done. altered_area_fraction: of the suspect's surface, 0 to 1. vertices_moved: of those
-    that stay; vertices_removed, faces_added. advice: one sentence for the reader.
+    that stay; vertices_removed, faces_added. lost: names of what the file held that one with other faces cannot.
+    advice: one sentence for the reader.
     """
 
     mesh: Mesh | None
@@ -41,6 +42,7 @@ class Recovery:
     faces_added: int
     advice: str
     seconds: float
+    lost: tuple[str, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON fields."""
@@ -49,6 +51,7 @@ class Recovery:
             "vertices_moved",
             "vertices_removed",
             "faces_added",
+            "lost",
             "advice",
             "seconds",
         )
@@ -81,7 +84,10 @@ def recover(mesh: Mesh, key: Key, *, reference: Certificate | Mesh | None = None
         advice = "What was altered is less than the miniature tells, or out of its reach."
         return Recovery(None, share, 0, 0, 0, advice, perf_counter() - start)
     advice = "The altered parts are back as the miniature has them."
-    return Recovery(whole, share, moved, removed, added, advice, perf_counter() - start)
+    lost = losses(whole)
+    if lost:
+        advice += f" Its file cannot keep with other faces: {', '.join(lost)}."
+    return Recovery(whole, share, moved, removed, added, advice, perf_counter() - start, lost)
 
 
 def _why_not(found: Examination) -> str:
