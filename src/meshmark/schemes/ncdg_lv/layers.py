@@ -19,8 +19,9 @@ from meshmark.schemes.ncdg_lv.authentication.checks import Checks, check
 from meshmark.schemes.ncdg_lv.authentication.content import Asked, Content, content_for, content_of
 from meshmark.schemes.ncdg_lv.authentication.localisation import altered_points
 from meshmark.schemes.ncdg_lv.authentication.marks import Plan, mark, plan
-from meshmark.schemes.ncdg_lv.authentication.payload import capacity, decode, encoder
+from meshmark.schemes.ncdg_lv.authentication.payload import HEAD, capacity, decode, encoder
 from meshmark.schemes.ncdg_lv.authentication.precision import Precision, precisions_of
+from meshmark.schemes.ncdg_lv.authentication.whole import whole_of
 from meshmark.schemes.ncdg_lv.embedding import diagonal_of, displacement_rms
 from meshmark.schemes.ncdg_lv.embedding import embed as embed_ownership
 from meshmark.schemes.ncdg_lv.extraction import extract
@@ -196,7 +197,9 @@ def _marked(below: Embedding, original: Mesh, key: Key, content: Asked, toleranc
     surface = weld(mesh)
     planned, precision = _planned(mesh, surface, key, tolerance)
     symbols = len(np.unique(planned.payload_index))
-    packed, remarks = content_for(content, surface.points, surface.faces, symbols, planned.symbol_bits)
+    packed, remarks = content_for(
+        content, surface, whole_of(surface, precision.error), symbols, planned.symbol_bits
+    )
     source = encoder(packed, planned.symbol_bits, symbols)
     marked = mark(surface, key, below.id, source, precision.error)
     moved = (marked.points != surface.points).any(axis=1)[surface.point_of_vertex]
@@ -205,7 +208,7 @@ def _marked(below: Embedding, original: Mesh, key: Key, content: Asked, toleranc
     _read_back(result, key, below.id, packed)
     if precision.remark is not None:
         remarks += (precision.remark,)
-    return _Upper(result, marked.count, max(len(packed) - 1, 0), remarks)
+    return _Upper(result, marked.count, max(len(packed) - HEAD, 0), remarks)
 
 
 def _planned(mesh: Mesh, surface: Welded, key: Key, tolerance: str | None) -> tuple[Plan, Precision]:

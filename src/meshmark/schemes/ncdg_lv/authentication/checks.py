@@ -16,7 +16,7 @@ from meshmark.schemes.ncdg_lv.authentication.candidates import (
     PAYLOAD,
     PLACE,
 )
-from meshmark.schemes.ncdg_lv.authentication.placement import Evidence, in_place
+from meshmark.schemes.ncdg_lv.authentication.placement import Evidence, Scale, in_place
 from meshmark.schemes.ncdg_lv.authentication.reading import chance_of
 from meshmark.schemes.ncdg_lv.authentication.search import likeliest_setting
 from meshmark.schemes.ncdg_lv.authentication.sweep import sweep
@@ -37,7 +37,7 @@ class Checks:
     model's id, None where the marks do not tell. index, value, vertex: (k,) payload symbols read, and the
     points that carry them. symbol_bits: of each. step: that of a ring of spread 1, in scene units, as far as the
     marks tell it, 0 where there are none. log10_chance: bound on the chance that so many marks hold without the
-    key. torn: (p,) on a boundary now, though a mark next to it says that it was not.
+    key. torn: (p,) on a boundary now, though a mark next to it says that it was not. scale: of the marked model.
     """
 
     eligible: NDArray[np.bool_]
@@ -51,6 +51,7 @@ class Checks:
     step: float
     log10_chance: float
     torn: NDArray[np.bool_]
+    scale: Scale
 
 
 def check(surface: Welded, key: Key, nonce: int | None = None) -> Checks:
@@ -84,7 +85,9 @@ def check(surface: Welded, key: Key, nonce: int | None = None) -> Checks:
         place_values(read.symbol[place], layout.symbol),
         2.0 / (1 << layout.symbol),
     )
-    passed = in_place(faces, passed, pairs, able & ~_vouched(pairs, passed), evidence, int(swept.rounded))
+    passed, scale = in_place(
+        faces, passed, pairs, able & ~_vouched(pairs, passed), evidence, int(swept.rounded)
+    )
     pairs = pairs[passed[pairs[:, 0]]]
     told = read.holds & (found.kind == PAYLOAD) & passed[found.vertex]
     told &= ~_outdone(pairs, found.vertex, np.where(read.holds, read.off, np.inf), len(points))[found.vertex]
@@ -100,6 +103,7 @@ def check(surface: Welded, key: Key, nonce: int | None = None) -> Checks:
         setting.unit,
         chance_of(found, read.holds, layout),
         torn,
+        scale,
     )
 
 
@@ -157,4 +161,5 @@ def _nothing(count: int) -> Checks:
         0.0,
         0.0,
         no,
+        Scale(),
     )

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from meshmark.errors import CapacityError, InputError
-from meshmark.mesh import FloatArray, IntArray
+from meshmark.geometry.weld import Welded
 from meshmark.recovery.miniature import SMALLEST, miniature
 from meshmark.schemes.ncdg_lv.authentication.payload import INTACT, capacity, pack
+from meshmark.schemes.ncdg_lv.authentication.whole import Whole
 
 __all__ = ["Asked", "Content", "content_for", "content_of"]
 
@@ -51,19 +52,20 @@ def content_of(payload: Content) -> Asked:
 
 
 def content_for(
-    asked: Asked, points: FloatArray, faces: IntArray, symbols: int, symbol_bits: int
+    asked: Asked, surface: Welded, whole: Whole, symbols: int, symbol_bits: int
 ) -> tuple[bytes, tuple[str, ...]]:
     """Return the packed payload for so many marks with different symbols, and remarks about it.
 
-    points (p, 3), faces (m, 3): the surface of a miniature. Raises `CapacityError` where it does not fit.
+    surface: of a miniature; whole: what is signed off. Raises `CapacityError` where it does not fit.
     """
     room = capacity(symbols, symbol_bits)
     if asked.kind == "any" and room < SMALLEST:
-        return pack("none"), (f"the model has room for {room} bytes, too few for a miniature: no payload",)
+        remark = f"the model has room for {room} bytes, too few for a miniature: no payload"
+        return pack("none", whole=whole), (remark,)
     if asked.kind in ("any", "miniature"):
-        return pack("miniature", miniature(points, faces, room)), ()
+        return pack("miniature", miniature(surface.points, surface.faces, room), whole), ()
     if asked.kind == "none":
-        return pack("none"), ()
+        return pack("none", whole=whole), ()
     size = len(asked.content)
     most = capacity(symbols, symbol_bits, 1.0)
     if size > most:
@@ -75,8 +77,8 @@ def content_for(
         remark = (
             f"the payload fills the model: it is read back only while {share:.0%} of the marks are intact"
         )
-        return pack(asked.kind, asked.content), (remark,)
-    return pack(asked.kind, asked.content), ()
+        return pack(asked.kind, asked.content, whole), (remark,)
+    return pack(asked.kind, asked.content, whole), ()
 
 
 def _fits(size: int, symbols: int, symbol_bits: int, percent: int) -> bool:

@@ -9,11 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshmark.coding.keys import Key
+from meshmark.geometry.areas import vertex_areas
 from meshmark.geometry.weld import Welded, weld
 from meshmark.mesh import Mesh
 from meshmark.schemes.ncdg_lv.authentication.checks import Checks, check
 from meshmark.schemes.ncdg_lv.authentication.localisation import altered_points
 from meshmark.schemes.ncdg_lv.authentication.payload import Payload, decode, unpack
+from meshmark.schemes.ncdg_lv.authentication.whole import unmarked_parts, used_points
 from meshmark.schemes.ncdg_lv.binding import stranger
 from meshmark.schemes.ncdg_lv.certificate import Certificate
 from meshmark.schemes.ncdg_lv.extraction import extract
@@ -27,13 +29,16 @@ DOUBTFUL_LOG10 = -4.0
 # The ownership layer of a model that was not changed has at least this lock; measured on training models: 0.88 to
 # 1.00, with noise of 0.1 % down to 0.86.
 _UNDAMAGED = 0.8
+# Area is missing where it is off by more than so many deviations of the scale.
+_SURE = 3.0
 
 
 @dataclass(frozen=True, eq=False)
 class Examination:
     """surface: the suspect's; checks: of its marks; id: the model's, from the marks or from the ownership layer, or
     None. marked: marks of authentication hold. altered: (p,) points, all of them where no mark holds.
-    log10_false_positive: bound on the chance of the marks, or else of the id, without the key.
+    log10_false_positive: bound on the chance of the marks, or else of the id, without the key. payload: what the
+    intact part carries, None where it is too little.
     Where there is an id but no mark, ownership_only: the certificate says that there never was one; damaged: the
     certificate says that there was, or the ownership layer itself shows that the shape was changed.
     remark: a sentence where the certificate is not this model's; nothing was taken from it then.
@@ -45,18 +50,28 @@ class Examination:
     marked: bool
     altered: NDArray[np.bool_]
     log10_false_positive: float
+    payload: Payload | None = None
     ownership_only: bool = False
     damaged: bool = False
     remark: str | None = None
 
-    @cached_property
-    def payload(self) -> Payload | None:
-        """What the intact part carries, None where it is too little."""
-        checks = self.checks
-        if not self.marked or not len(checks.index):
+    @property
+    def points_missing(self) -> int | None:
+        """How many points fewer there are than were signed off, below 0 where there are more; None: not known."""
+        if self.payload is None or not self.payload.whole.points:
             return None
-        packed = decode(checks.index, checks.value, checks.symbol_bits)
-        return None if packed is None else unpack(packed)
+        return self.payload.whole.points - int(used_points(self.surface).sum())
+
+    @cached_property
+    def area_missing(self) -> float | None:
+        """Which share of the surface that was signed off is gone, 0 to 1; None where it is not known."""
+        scale = self.checks.scale
+        if self.payload is None or not self.payload.whole.area or not scale.half:
+            return None
+        areas = vertex_areas(self.surface.points, self.surface.faces)
+        left = float(areas[~unmarked_parts(self.surface, self.checks.verified)].sum())
+        share = 1.0 - left / (self.payload.whole.area * scale.half**2)
+        return share if share > _SURE * 2.0 * scale.doubt else 0.0
 
 
 def examine(mesh: Mesh, key: Key, reference: Certificate | Mesh | None = None) -> Examination:
@@ -75,8 +90,13 @@ def examine(mesh: Mesh, key: Key, reference: Certificate | Mesh | None = None) -
     certificate = reference if isinstance(reference, Certificate) else None
     remark = None if certificate is None else stranger(certificate, key, identity)
     if identity is not None and checks.log10_chance <= MARKED_LOG10:
-        altered = altered_points(surface, checks)
-        return Examination(surface, checks, identity, True, altered, checks.log10_chance, remark=remark)
+        altered, payload = altered_points(surface, checks), _payload(checks)
+        known = Examination(
+            surface, checks, identity, True, altered, checks.log10_chance, payload, remark=remark
+        )
+        if (known.points_missing or 0) < 0:  # parts were added on which there are no marks to fail
+            altered |= unmarked_parts(surface, checks.verified)
+        return known
     layers = certificate.more.get("layers") if certificate is not None and remark is None else None
     return Examination(
         surface,
@@ -89,3 +109,10 @@ def examine(mesh: Mesh, key: Key, reference: Certificate | Mesh | None = None) -
         damaged=layers == "both" or (layers is None and found.lock_score < _UNDAMAGED),
         remark=remark,
     )
+
+
+def _payload(checks: Checks) -> Payload | None:
+    if not len(checks.index):
+        return None
+    packed = decode(checks.index, checks.value, checks.symbol_bits)
+    return None if packed is None else unpack(packed)

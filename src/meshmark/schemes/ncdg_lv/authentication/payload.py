@@ -3,55 +3,73 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from meshmark.coding import erasure
 from meshmark.errors import CapacityError, InputError
+from meshmark.schemes.ncdg_lv.authentication.whole import SIZE, Whole
 
-__all__ = ["INTACT", "KINDS", "Payload", "SymbolSource", "capacity", "decode", "encoder", "pack", "unpack"]
+__all__ = [
+    "HEAD",
+    "INTACT",
+    "KINDS",
+    "Payload",
+    "SymbolSource",
+    "capacity",
+    "decode",
+    "encoder",
+    "pack",
+    "unpack",
+]
 
 SymbolSource = Callable[[NDArray[np.uint32]], NDArray[np.uint16]]
 
 KINDS = ("none", "miniature", "bytes", "image")
 """What a payload can be; the place in this list is its first byte."""
+HEAD = 1 + SIZE
+"""Bytes before the content: its kind, and what was signed off as a whole."""
 INTACT = 0.55
 """Share of the marks that must be left for the payload: 60 % of a surface, less what its border breaks."""
 
 
 @dataclass(frozen=True)
 class Payload:
-    """kind: one of `KINDS`; content: a miniature's bytes, the user's bytes, or those of an image file as it was."""
+    """kind: one of `KINDS`; content: a miniature's bytes, the user's bytes, or those of an image file as it was.
+
+    whole: what was signed off.
+    """
 
     kind: str
     content: bytes
+    whole: Whole = field(default_factory=Whole)
 
 
-def pack(kind: str, content: bytes = b"") -> bytes:
+def pack(kind: str, content: bytes = b"", whole: Whole | None = None) -> bytes:
     """Return the bytes to encode; raises `InputError` for an unknown kind, or for content of the kind "none"."""
     if kind not in KINDS:
         raise InputError(f"unknown payload '{kind}', expected one of {', '.join(KINDS)}")
     if kind == "none" and content:
         raise InputError(f"the payload 'none' has {len(content)} bytes of content, expected no content")
-    return bytes([KINDS.index(kind)]) + content
+    return bytes([KINDS.index(kind)]) + (whole or Whole()).packed() + content
 
 
 def unpack(packed: bytes) -> Payload:
     """Undo `pack`; raises `InputError` where the first byte names no kind."""
-    if not packed or packed[0] >= len(KINDS):
+    if len(packed) < HEAD or packed[0] >= len(KINDS):
         raise InputError(
             "the payload is of a kind that this version does not know, expected a newer meshmark"
         )
-    return Payload(KINDS[packed[0]], packed[1:])
+    return Payload(KINDS[packed[0]], packed[HEAD:], Whole.read(packed[1:HEAD]))
 
 
 def capacity(marks: int, symbol_bits: int, intact: float = INTACT) -> int:
     """Return the bytes of content that are read back when a share `intact` (0 to 1) of the marks is left."""
     if not 0.0 < intact <= 1.0:
         raise InputError(f"a share of {intact:g} of the marks is out of range, expected above 0 to 1")
-    return max(erasure.capacity(int(marks * intact), symbol_bits) - 1, 0)
+    return max(erasure.capacity(int(marks * intact), symbol_bits) - HEAD, 0)
 
 
 def encoder(packed: bytes, symbol_bits: int, marks: int) -> SymbolSource:
@@ -60,9 +78,9 @@ def encoder(packed: bytes, symbol_bits: int, marks: int) -> SymbolSource:
     Raises `CapacityError` where it does not fit even if every mark stays.
     """
     most = capacity(marks, symbol_bits, 1.0)
-    if len(packed) > most + 1:
+    if len(packed) > most + HEAD:
         raise CapacityError(
-            f"the payload has {len(packed) - 1} bytes, expected at most {most} for {marks} mark vertices"
+            f"the payload has {len(packed) - HEAD} bytes, expected at most {most} for {marks} mark vertices"
         )
     return erasure.ErasureCode(packed, symbol_bits)
 

@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 from meshmark.geometry.adjacency import unique_edges
 from meshmark.mesh import FloatArray, IntArray
 
-__all__ = ["Evidence", "in_place"]
+__all__ = ["Evidence", "Scale", "in_place"]
 
 # Fewer marks of the largest part that tell their place cannot say where the model lies.
 _NEEDED = 12
@@ -42,6 +42,17 @@ class Evidence:
     step: float
 
 
+@dataclass(frozen=True)
+class Scale:
+    """Of the marked model in the suspect's scene.
+
+    half: of its diagonal, 0 where it is not known; doubt: its relative standard deviation.
+    """
+
+    half: float = 0.0
+    doubt: float = 0.0
+
+
 def in_place(
     faces: IntArray,
     passed: NDArray[np.bool_],
@@ -49,8 +60,8 @@ def in_place(
     failing: NDArray[np.bool_],
     evidence: Evidence,
     lucky: int = 0,
-) -> NDArray[np.bool_]:
-    """Return (p,): which of the marks that hold, `passed` (p,), to believe.
+) -> tuple[NDArray[np.bool_], Scale]:
+    """Return which of the marks that hold, `passed` (p,), to believe, and the scale that they tell.
 
     pairs: (n, 2) each mark that holds and a point of its ring. failing: (p,) points that no mark vouches for,
     though one should. Marks that share points of their rings are one part. The largest part is believed;
@@ -60,9 +71,9 @@ def in_place(
     part = _parts(pairs, len(passed))
     count = int(part.max(initial=-1)) + 1
     if not passed.any():
-        return passed
+        return passed, Scale()
     main = int(np.bincount(part[passed], minlength=count).argmax())
-    agrees, disputes = _votes(part, main, evidence, count)
+    agrees, disputes, scale = _votes(part, main, evidence, count)
     touched = np.zeros(count, bool)
     edges = unique_edges(faces)
     for start, end in (edges.T, edges[:, ::-1].T):
@@ -70,7 +81,7 @@ def in_place(
     touched[part[failing]] = True
     believed = np.where(disputes > agrees + lucky, False, (agrees >= _least(agrees, touched)))
     believed[main] = True
-    return passed & believed[part]
+    return passed & believed[part], scale
 
 
 def _least(agrees: IntArray, touched: NDArray[np.bool_]) -> IntArray:
@@ -83,22 +94,23 @@ def _parts(pairs: IntArray, count: int) -> IntArray:
     return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
 
 
-def _votes(part: IntArray, main: int, evidence: Evidence, count: int) -> tuple[IntArray, IntArray]:
-    """Return how many marks of each part lie, and do not lie, where the largest part puts them."""
+def _votes(part: IntArray, main: int, evidence: Evidence, count: int) -> tuple[IntArray, IntArray, Scale]:
+    """Return how many marks of each part lie, and do not lie, where the largest part puts them; and its scale."""
     own = part[evidence.vertex] == main
     found = _misfit(evidence, own)
     if found is None:
-        return np.zeros(count, np.int64), np.zeros(count, np.int64)
-    misfit, doubt = found
+        return np.zeros(count, np.int64), np.zeros(count, np.int64), Scale()
+    misfit, doubt, scale = found
     right = misfit <= (0.5 + _SLACK) * evidence.step + _DOUBTS * doubt
     where = part[evidence.vertex]
-    return np.bincount(where[right], minlength=count), np.bincount(where[~right], minlength=count)
+    return np.bincount(where[right], minlength=count), np.bincount(where[~right], minlength=count), scale
 
 
-def _misfit(evidence: Evidence, own: NDArray[np.bool_]) -> tuple[FloatArray, FloatArray] | None:
+def _misfit(evidence: Evidence, own: NDArray[np.bool_]) -> tuple[FloatArray, FloatArray, Scale] | None:
     """Return how far each mark lies from where it says, after the similarity that suits `own` (e,) best.
 
-    And how far off that similarity may be there: one standard deviation, from the rounding of the values.
+    And how far off that similarity may be there: one standard deviation, from the rounding of the values; and the
+    scale.
     """
     if own.sum() < _NEEDED:
         return None
@@ -123,7 +135,8 @@ def _misfit(evidence: Evidence, own: NDArray[np.bool_]) -> tuple[FloatArray, Flo
     if np.median(np.abs(misfit[own])) > evidence.step:
         return None
     spread = np.linalg.pinv(rows[use].T @ rows[use], hermitian=True) * evidence.step**2 / 12.0
-    return np.abs(misfit), np.sqrt(np.einsum("ei,ij,ej->e", rows, spread, rows).clip(min=0.0))
+    doubt = np.sqrt(np.einsum("ei,ij,ej->e", rows, spread, rows).clip(min=0.0))
+    return np.abs(misfit), doubt, Scale((size or 1.0) / scale, float(np.sqrt(max(spread[6, 6], 0.0))))
 
 
 def _first_guess(

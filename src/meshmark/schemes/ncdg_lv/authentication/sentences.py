@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from meshmark.schemes.ncdg_lv.authentication.examination import Examination
 from meshmark.schemes.ncdg_lv.authentication.regions import Region
 
-__all__ = ["of_altered", "of_marks"]
+__all__ = ["of_altered", "of_marks", "of_number"]
 
 
 def of_marks(verdict: str, found: Examination) -> str:
@@ -16,6 +16,8 @@ def of_marks(verdict: str, found: Examination) -> str:
         return "Nothing was changed since it was marked."
     if verdict == "inconclusive":
         return "There are too few marks to tell; a model of few points, or a small part of one."
+    if verdict == "altered" and found.points_missing:
+        return of_number(found.points_missing, found.area_missing)
     if verdict == "altered":
         return "It carries the owner's id, but no mark of authentication holds: it was changed everywhere."
     if found.id is None:
@@ -28,14 +30,13 @@ def of_marks(verdict: str, found: Examination) -> str:
     )
 
 
-def of_altered(
-    regions: Sequence[Region], places: Sequence[str], share: float, missing: float | None, torn: bool
-) -> str:
+def of_altered(found: Examination, regions: Sequence[Region], places: Sequence[str], share: float) -> str:
     """Return the sentence of a model of which parts were altered.
 
-    places: of the altered regions; share: altered, of the surface; missing: of the surface that was signed off,
-    None where it is not known; torn: there are holes that were made.
+    places: of the altered regions; share: altered, of the surface.
     """
+    gone, torn = found.points_missing or 0, bool(found.checks.torn.any())
+    missing = found.area_missing if torn or gone > 0 else None
     called = sum(region.verdict == "altered" for region in regions)
     where = ", ".join(places[:3]) + (" and elsewhere" if len(places) > 3 else "")
     text = f"{called} of {len(regions)} regions altered: {where}, "
@@ -45,8 +46,19 @@ def of_altered(
             "was altered or lies beside a hole."
         )
     if torn:
-        return text + f"{_percent(share)} of the surface, beside holes that were made."
+        points = f"; {gone:,} points are missing" if gone > 0 else ""
+        return text + f"{_percent(share)} of the surface, beside holes that were made{points}."
+    if gone < 0:
+        return text + f"{_percent(share)} of the surface; {-gone:,} points were added."
     return text + f"{_percent(share)} of the surface."
+
+
+def of_number(missing: int, area: float | None) -> str:
+    """Return the sentence of a model whose marks all hold, though it has another number of points."""
+    if missing < 0:
+        return f"{-missing:,} points were added since it was marked; all that was there is as it was."
+    share = f", {_percent(area)} of the signed-off surface" if area else ""
+    return f"Whole parts are missing: {missing:,} points{share}; what is left is as it was."
 
 
 def _percent(share: float) -> str:

@@ -32,8 +32,9 @@ class Authentication:
     """What the marks of a model say.
 
     verdict: "authentic", "altered", "not_marked" or "inconclusive"; altered: (n,) which vertices of the file were
-    moved, made or laid bare. altered_area_fraction: of the surface, 0 to 1. payload: "recovered", "partial" or
-    "none"; content: what was recovered. id: or None.
+    moved, made or laid bare. altered_area_fraction: of the surface, 0 to 1. missing_area_fraction: of the surface
+    that was signed off; points_missing: of its points, below 0 where there are more; both None where not known.
+    payload: "recovered", "partial" or "none"; content: what was recovered. id: or None.
     log10_false_positive: bound on the chance of these marks (or of the id alone) without the key.
     mode: "blind", "certificate" or "original"; certificate: "own", "foreign" (of another key, model or id) or None.
     advice: sentences for the reader. draw: makes the map, which is made when it is asked for.
@@ -42,6 +43,8 @@ class Authentication:
     verdict: str
     altered: NDArray[np.bool_]
     altered_area_fraction: float
+    missing_area_fraction: float | None
+    points_missing: int | None
     payload: str
     content: Payload | None
     id: int | None
@@ -77,6 +80,8 @@ class Authentication:
             "verdict": self.verdict,
             "altered_vertices": self.altered_vertices,
             "altered_area_fraction": self.altered_area_fraction,
+            "missing_area_fraction": self.missing_area_fraction,
+            "points_missing": self.points_missing,
             "regions": [region.to_dict() for region in self.regions],
             "payload": self.payload,
             "payload_kind": None if self.content is None else self.content.kind,
@@ -108,8 +113,7 @@ def authenticate(mesh: Mesh, key: Key, *, reference: Certificate | Mesh | None =
     draw = partial(region_map, mesh, found, altered)
     if found.marked and altered.any():
         drawn = draw()
-        torn = bool(found.checks.torn.any())
-        advice = of_altered(drawn.regions, drawn.places(), share, None, torn)
+        advice = of_altered(found, drawn.regions, drawn.places(), share)
         draw = partial(_same, drawn)
     else:
         advice = of_marks(verdict, found)
@@ -119,6 +123,8 @@ def authenticate(mesh: Mesh, key: Key, *, reference: Certificate | Mesh | None =
         verdict=verdict,
         altered=altered[found.surface.point_of_vertex],
         altered_area_fraction=share,
+        missing_area_fraction=_missing(found),
+        points_missing=found.points_missing,
         payload=_payload(found),
         content=found.payload,
         id=found.id,
@@ -137,7 +143,7 @@ def _same(drawn: RegionMap) -> RegionMap:
 
 def _verdict(found: Examination) -> str:
     if found.marked:
-        return "altered" if found.altered.any() else "authentic"
+        return "altered" if found.altered.any() or found.points_missing else "authentic"
     if found.id is not None:
         return "altered" if found.damaged else "not_marked"
     return "inconclusive" if found.log10_false_positive <= DOUBTFUL_LOG10 else "not_marked"
@@ -147,6 +153,12 @@ def _certificate(found: Examination, reference: Certificate | Mesh | None) -> st
     if not isinstance(reference, Certificate):
         return None
     return "own" if found.remark is None else "foreign"
+
+
+def _missing(found: Examination) -> float | None:
+    """Return the share that is gone: none where no part is, whatever its area measures."""
+    gone = found.checks.torn.any() or (found.points_missing or 0) > 0
+    return found.area_missing if gone or not found.marked else 0.0
 
 
 def _payload(found: Examination) -> str:

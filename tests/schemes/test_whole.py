@@ -1,0 +1,85 @@
+"""Parts of their own that are gone or new, and how much of a surface is missing."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from meshmark.geometry.areas import face_areas
+from meshmark.geometry.weld import weld
+from meshmark.mesh import Mesh
+from meshmark.schemes.ncdg_lv import authenticate, embed
+from meshmark.schemes.ncdg_lv.authentication.whole import SIZE, Whole, unmarked_parts, whole_of
+from tests.keys import ID, KEY
+from tests.shapes import pebble
+
+
+def pair() -> Mesh:
+    """Return two shapes of their own, the second a third as large."""
+    points, faces = pebble()
+    small, others = pebble(20)
+    return Mesh(
+        np.concatenate([points, small / 3.0 + np.array([4.0, 0.0, 0.0])]),
+        np.concatenate([faces, others + len(points)]),
+    )
+
+
+@pytest.fixture(scope="module")
+def marked() -> Mesh:
+    return embed(pair(), KEY, id=ID, layers="authentication").mesh
+
+
+def test_a_shell_that_is_gone_is_missed(marked):
+    count = len(pebble()[0])
+    left = Mesh(marked.vertices[:count], marked.faces[(marked.faces < count).all(axis=1)])
+    assert authenticate(marked, KEY).points_missing == 0
+    found = authenticate(left, KEY)
+    assert (found.verdict, found.points_missing) == ("altered", len(marked.vertices) - count)
+    areas = face_areas(marked.vertices, marked.faces)
+    gone = areas[(marked.faces >= count).all(axis=1)].sum() / areas.sum()
+    assert found.missing_area_fraction == pytest.approx(gone, abs=0.03)
+    assert f"{found.points_missing:,} points" in found.advice
+
+
+def test_a_part_too_fine_for_marks_that_is_added_is_seen(marked):
+    small, faces = pebble(16)
+    speck = 1e-5 * small + np.array([0.0, 3.0, 0.0])
+    more = Mesh(
+        np.concatenate([marked.vertices, speck]),
+        np.concatenate([marked.faces, faces + len(marked.vertices)]),
+    )
+    found = authenticate(more, KEY)
+    assert (found.verdict, found.points_missing) == ("altered", -len(small))
+    assert found.altered[len(marked.vertices) :].all()
+    assert not found.altered[: len(marked.vertices)].any()
+
+
+def test_what_is_missing_of_a_surface_is_measured(marked):
+    middles = marked.vertices[marked.faces].mean(axis=1)
+    gone = np.linalg.norm(middles - middles[100], axis=1) < 0.6
+    turned = Mesh(2.5 * marked.vertices[:, [1, 2, 0]] + 1.0, marked.faces[~gone])
+    found = authenticate(turned, KEY)
+    areas = face_areas(marked.vertices, marked.faces)
+    assert found.verdict == "altered"
+    assert found.missing_area_fraction == pytest.approx(areas[gone].sum() / areas.sum(), abs=0.02)
+    assert "of the signed-off surface is missing" in found.advice
+
+
+def test_packing_round_trips_and_points_too_near_are_not_counted():
+    points, faces = pebble(16)
+    surface = weld(Mesh(points, faces))
+    whole = whole_of(surface, 1e-6)
+    assert whole.points == len(points)
+    assert len(whole.packed()) == SIZE
+    again = Whole.read(whole.packed())
+    assert (again.points, again.area) == (whole.points, pytest.approx(whole.area, rel=1e-6))
+    assert whole_of(surface, 1.0).points == 0
+
+
+def test_parts_without_a_verified_point():
+    mesh = pair()
+    surface = weld(mesh)
+    verified = np.zeros(len(surface.points), bool)
+    verified[3] = True
+    alone = unmarked_parts(surface, verified)
+    assert np.array_equal(np.flatnonzero(alone), np.arange(len(pebble()[0]), len(mesh.vertices)))
