@@ -48,6 +48,8 @@ class Scheme(Protocol):
 
     A scheme that is not blind may have `kept(marked, key)`, what an owner keeps of a marked mesh: `extract` is then
     given that as its reference instead of the original.
+    A scheme that was built here after a publication may have `reconstruction`, what of it is ours because the
+    source does not say; reports show it wherever they name the source.
     A scheme whose readouts have `raw` also has `code(bits, key)`, the code bits (c,) that stand for a payload.
     """
 

@@ -6,6 +6,13 @@ from collections.abc import Callable, Iterator, Mapping
 
 from meshmark.schemes.ncdg_lv.scheme import NcdgLv, NcdgLvCertificate, NcdgLvOriginal
 from meshmark.schemes.outside import ENTRY_POINTS, FILE_ENDING, file_digest, load_file, load_point, points
+from meshmark.schemes.rivals.adf import Adf
+from meshmark.schemes.rivals.cho import ChoMean, ChoVariance
+from meshmark.schemes.rivals.fcm import Fcm
+from meshmark.schemes.rivals.laplace_beltrami import LaplaceBeltrami
+from meshmark.schemes.rivals.lsb import Lsb
+from meshmark.schemes.rivals.mdaqim import Mdaqim
+from meshmark.schemes.rivals.spectral import Spectral
 from meshmark.schemes.scheme import Scheme
 
 __all__ = ["ENTRY_POINTS", "SCHEMES", "Schemes"]
@@ -14,6 +21,14 @@ OWN: dict[str, Callable[[], Scheme]] = {
     "ncdg_lv": NcdgLv,
     "ncdg_lv_certificate": NcdgLvCertificate,
     "ncdg_lv_original": NcdgLvOriginal,
+    "cho_mean": ChoMean,
+    "cho_variance": ChoVariance,
+    "laplace_beltrami": LaplaceBeltrami,
+    "adf": Adf,
+    "mdaqim": Mdaqim,
+    "lsb": Lsb,
+    "fcm": Fcm,
+    "spectral": Spectral,
 }
 
 
@@ -41,10 +56,13 @@ class Schemes(Mapping[str, Scheme]):
         return len(list(iter(self)))
 
     def told(self, name: str) -> str:
-        """Return title and source of a scheme, of a file also what tells this content of it from another."""
+        """Return title and source of a scheme, what of it is our reconstruction, and of a file its digest."""
         scheme = self[name]
         content = f", file {file_digest(name)}" if name.endswith(FILE_ENDING) else ""
-        return f"{scheme.title} ({scheme.source}{content})"
+        ours = getattr(scheme, "reconstruction", "")
+        return f"{scheme.title} ({scheme.source}{content})" + (
+            f" [our reconstruction: {ours}]" if ours else ""
+        )
 
 
 SCHEMES = Schemes()
