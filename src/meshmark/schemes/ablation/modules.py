@@ -10,16 +10,20 @@ extraction    soft bits of the id, and verdicts on regions: Levenberg-Marquardt 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 
 import numpy as np
 
 from meshmark.errors import InputError
 from meshmark.geometry.weld import Welded
-from meshmark.mesh import FloatArray, IntArray
+from meshmark.mesh import FloatArray, IntArray, Mesh
 from meshmark.saliency.nc_dgg import saliency
 from meshmark.saliency.salient_points import salient_points
+from meshmark.schemes.rivals.adf import Adf
+from meshmark.schemes.rivals.host import Host
+from meshmark.schemes.rivals.laplace_beltrami import LaplaceBeltrami
+from meshmark.schemes.rivals.regional import Regional
 from meshmark.segmentation.clusters import fuzzy_c_means_regions, k_means_regions
 from meshmark.segmentation.map_segmentation import Regions, choose_seeds, default_regions, map_regions
 
@@ -36,10 +40,30 @@ def _random(points: FloatArray, _: IntArray, rng: np.random.Generator) -> tuple[
     return np.ones(len(points)), rng.choice(len(points), count, replace=False)
 
 
+def _voted(points: FloatArray, faces: IntArray, rival: Regional) -> tuple[FloatArray, IntArray]:
+    strength = np.zeros(len(points))
+    strength[np.unique(faces)] = rival.votes(Host(Mesh(points, faces)))
+    strength /= strength.max() or 1.0
+    order = np.argsort(-strength, kind="stable")
+    return strength, order[: int((strength > 0.0).sum())]
+
+
+def _laplace_beltrami(
+    points: FloatArray, faces: IntArray, _: np.random.Generator
+) -> tuple[FloatArray, IntArray]:
+    return _voted(points, faces, LaplaceBeltrami())
+
+
+def _adf(points: FloatArray, faces: IntArray, _: np.random.Generator) -> tuple[FloatArray, IntArray]:
+    return _voted(points, faces, Adf())
+
+
 # Strength (p,) of each point and the salient ones (k,), of points (p, 3) and faces (m, 3).
 SALIENCY: dict[str, Callable[[FloatArray, IntArray, np.random.Generator], tuple[FloatArray, IntArray]]] = {
     "nc_dgg": _nc_dgg,
     "random": _random,
+    "laplace_beltrami": _laplace_beltrami,
+    "adf": _adf,
 }
 # Regions of points (p, 3) and faces (m, 3) around seeds (n,).
 SEGMENTATION: dict[str, Callable[[FloatArray, IntArray, IntArray], Regions]] = {
@@ -62,7 +86,7 @@ class Modules:
     extraction: str = "network"
 
     def __post_init__(self) -> None:
-        known = (SALIENCY, SEGMENTATION, EMBEDDINGS, EXTRACTIONS)
+        known: tuple[Collection[str], ...] = (SALIENCY, SEGMENTATION, EMBEDDINGS, EXTRACTIONS)
         for name, choices in zip(("saliency", "segmentation", "embedding", "extraction"), known, strict=True):
             if getattr(self, name) not in choices:
                 raise InputError(

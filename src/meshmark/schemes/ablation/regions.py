@@ -23,6 +23,7 @@ __all__ = ["CHOICES", "agreement", "region_figures"]
 CHOICES: Final = (
     FULL,
     Modules(saliency="random"),
+    Modules(saliency="laplace_beltrami"),
     Modules(segmentation="k_means"),
     Modules(segmentation="fuzzy_c_means"),
     Modules(saliency="random", segmentation="k_means"),
