@@ -23,7 +23,6 @@ from numpy.typing import NDArray
 from benchmarks.models import load, model_paths
 from meshmark.attacks import ATTACKS
 from meshmark.attacks.attack import Attacked, Given
-from meshmark.attacks.local_patch import draw_patch
 from meshmark.coding.keys import Key
 from meshmark.geometry.adjacency import adjacency, unique_edges
 from meshmark.geometry.weld import Welded, weld
@@ -42,7 +41,9 @@ SMALLEST = 2500
 SHARES = (0.005, 0.02, 0.05, 0.2)
 # Payload that is left where 55 % of the marks are, and 5 % of those are spent on the code.
 NET = 0.55 * 0.95
-BENIGN = ("shuffle", "float32", "weld", "unweld", "file_obj", "file_ply", "file_stl", "file_glb", "file_3mf")
+BENIGN = (
+    "shuffle", "float32", "weld", "unweld", "file_obj", "file_ply", "file_stl", "file_glb", "file_3mf"
+)  # fmt: skip
 FORMATS = ("off", "obj", "ply", "stl", "glb", "gltf", "3mf")
 
 
@@ -67,7 +68,9 @@ def _model(name: str, mesh: Mesh, figures: dict[str, list[float]], edits: bool) 
     psnr = _psnr(surface, done)
     net = 27 / 32 * done.count * done.symbol_bits * NET / len(surface.points)
     found, seconds = _timed(weld(marked), None)
-    fresh = {attack: _fresh(attacked) for attack, attacked in _benign(marked)}
+    fresh = {
+        attack: _fresh(attacked) for attack, attacked in benign_operations(marked, np.random.default_rng(1))
+    }
     one, ring = _single(marked, done, 1.42), _single(marked, done, 3.0)
     print(
         f"{name:30} {len(surface.points):6} points  {psnr:.1f} dB  {done.bits_per_mark} bits  "
@@ -118,20 +121,10 @@ def _fresh(mesh: Mesh) -> float:
     return float((found.eligible & ~found.verified).sum()) if found.nonce == ID else float("nan")
 
 
-def _benign(mesh: Mesh) -> Iterator[tuple[str, Mesh]]:
-    rng = np.random.default_rng(1)
+def benign_operations(mesh: Mesh, rng: np.random.Generator) -> Iterator[tuple[str, Mesh]]:
+    """Yield a model after each operation that alters nothing, and after none."""
     yield "nothing", mesh
-    for name in (
-        "shuffle",
-        "float32",
-        "weld",
-        "unweld",
-        "file_obj",
-        "file_ply",
-        "file_stl",
-        "file_glb",
-        "file_3mf",
-    ):
+    for name in BENIGN:
         yield name, ATTACKS[name](mesh, 1, rng)
     for _ in range(2):
         turned = ATTACKS["similarity"](mesh, 1, rng)
@@ -192,10 +185,17 @@ def _edits() -> dict[str, Edit]:
     def by_name(name: str) -> Edit:
         return lambda mesh, share, rng, other: ATTACKS[name].apply(mesh, share, rng, Given(donor=other))
 
-    names = ("bump", "dent", "move_part", "delete_part", "replace_part")
+    names = (
+        "bump",
+        "dent",
+        "smooth_part",
+        "move_part",
+        "scale_part",
+        "delete_part",
+        "add_part",
+        "replace_part",
+    )
     return {name: by_name(name) for name in names} | {
-        "scale": _scaled,
-        "smooth": _smoothed,
         "paste, another model": _pasted_other,
         "paste, another place": lambda mesh, share, rng, _: _pasted_other(mesh, share, rng, mesh),
     }
@@ -204,23 +204,6 @@ def _edits() -> dict[str, Edit]:
 def _pasted_other(mesh: Mesh, share: float, rng: np.random.Generator, donor: Mesh) -> Attacked:
     """Lay in a part of a donor that has other numbers than the model, so that another place is taken."""
     return ATTACKS["paste"].apply(mesh, share, rng, Given(donor=ATTACKS["shuffle"](donor, 1, rng)))
-
-
-def _scaled(mesh: Mesh, share: float, rng: np.random.Generator, _: Mesh) -> Attacked:
-    patch = draw_patch(mesh, share, rng)
-    middle = patch.points.mean(axis=0)
-    return patch.moved_to(middle + 1.15 * (patch.points - middle))
-
-
-def _smoothed(mesh: Mesh, share: float, rng: np.random.Generator, _: Mesh) -> Attacked:
-    patch = draw_patch(mesh, share, rng)
-    graph = adjacency(unique_edges(patch.welded.faces), len(patch.welded.points))
-    degree = np.maximum(np.asarray(graph.sum(axis=1)), 1.0)[patch.members, None]
-    points = patch.welded.points.copy()
-    for _pass in range(5):
-        mean = (graph @ points)[patch.members] / degree
-        points[patch.members] += 0.5 * (1.0 - patch.reach**2)[:, None] * (mean - points[patch.members])
-    return patch.moved_to(points[patch.members])
 
 
 # Figure, the end of its name, what is compared, and its bar.

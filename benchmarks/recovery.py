@@ -19,6 +19,7 @@ from dataclasses import dataclass
 from time import perf_counter
 
 import numpy as np
+from numpy.typing import NDArray
 
 from benchmarks.models import load, model_paths
 from meshmark.attacks import Given, find_attack
@@ -29,7 +30,7 @@ from meshmark.geometry.closest_point import SurfaceIndex
 from meshmark.geometry.weld import weld
 from meshmark.mesh import FloatArray, IntArray, Mesh
 from meshmark.recovery.miniature import miniature, read_miniature
-from meshmark.recovery.recovering import Recovered, recover
+from meshmark.recovery.recovering import recover
 
 EDITS = ("bump", "dent", "move_part", "delete_part", "replace_part", "paste")
 SHARES = (0.005, 0.02, 0.05, 0.2)
@@ -63,10 +64,12 @@ def judged(mesh: Mesh, edit: str, share: float, donor: Mesh, content: bytes, see
     start = perf_counter()
     found = recover(suspect, altered, content)
     seconds = perf_counter() - start
-    return _row(mesh, attacked, suspect.faces, found, seconds)
+    changed = found.moved | (found.origin < 0)
+    return compared(mesh, attacked, Mesh(found.points, found.faces), changed, seconds)
 
 
-def _row(mesh: Mesh, attacked: Attacked, faces: IntArray, found: Recovered, seconds: float) -> Row:
+def compared(mesh: Mesh, attacked: Attacked, found: Mesh, changed: NDArray[np.bool_], seconds: float) -> Row:
+    """Return the row of a recovered mesh of which the vertices `changed` (n,) are not as in the edited one."""
     used = np.zeros(len(mesh.vertices), bool)
     used[mesh.faces] = True
     stayed = attacked.origin[(attacked.origin >= 0) & ~attacked.altered]
@@ -79,13 +82,14 @@ def _row(mesh: Mesh, attacked: Attacked, faces: IntArray, found: Recovered, seco
         parts = [np.mean(part**2) for part in (there, back) if len(part)]
         return float(np.sqrt(np.mean(parts))) / size if parts else 0.0
 
-    changed = found.moved | (found.origin < 0)
-    before = error(attacked.mesh.vertices[attacked.altered], SurfaceIndex(attacked.mesh.vertices, faces))
-    after = error(found.points[changed], SurfaceIndex(found.points, found.faces))
+    assert attacked.altered is not None
+    edited = SurfaceIndex(attacked.mesh.vertices, attacked.mesh.faces)
+    before = error(attacked.mesh.vertices[attacked.altered], edited)
+    after = error(found.vertices[changed], SurfaceIndex(found.vertices, found.faces))
     places = (float("nan"), float("nan"))
-    if attacked.altered.any() and len(found.points) == len(mesh.vertices) == len(attacked.mesh.vertices):
+    if attacked.altered.any() and len(found.vertices) == len(mesh.vertices) == len(attacked.mesh.vertices):
         rows = attacked.altered
-        steps = [(each - mesh.vertices)[rows] for each in (attacked.mesh.vertices, found.points)]
+        steps = [(each - mesh.vertices)[rows] for each in (attacked.mesh.vertices, found.vertices)]
         one, other = (float(np.sqrt((step**2).sum(axis=1).mean())) / size for step in steps)
         places = one, other
     closed = is_closed(found.faces) or not is_closed(mesh.faces)

@@ -9,11 +9,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from meshmark.attacks.attack import Given
+from meshmark.attacks.local_add import add_part
 from meshmark.attacks.local_delete import delete_part
-from meshmark.attacks.local_move import ANGLE, SHIFT, STIFF, move_part
+from meshmark.attacks.local_move import ANGLE, FACTOR, SHIFT, STIFF, move_part, scale_part
 from meshmark.attacks.local_patch import draw_patch
 from meshmark.attacks.local_relief import HEIGHT, bump, dent
 from meshmark.attacks.local_replace import replace_part
+from meshmark.attacks.local_smooth import smooth_part
 from meshmark.errors import InputError
 from meshmark.mesh import Mesh
 from tests.attacks.surfaces import border, euler, is_closed, sheet, unwelded, volume
@@ -21,8 +23,10 @@ from tests.shapes import pebble
 
 MESH = Mesh(*pebble(30))
 COUNT = len(MESH.vertices)
-MOVING = pytest.mark.parametrize("attack", [bump, dent, move_part])
-ALL = pytest.mark.parametrize("attack", [bump, dent, move_part, delete_part, replace_part])
+MOVING = pytest.mark.parametrize("attack", [bump, dent, move_part, scale_part, smooth_part])
+ALL = pytest.mark.parametrize(
+    "attack", [bump, dent, move_part, scale_part, smooth_part, add_part, delete_part, replace_part]
+)
 SHARES = pytest.mark.parametrize("share", [0.01, 0.03, 0.1, 0.3])
 
 
@@ -105,6 +109,15 @@ def test_the_inner_part_moves_rigidly():
     assert np.linalg.norm(shift) == pytest.approx(SHIFT * patch.radius)
     rim = np.linalg.norm(result.mesh.vertices[patch.members[-1]] - MESH.vertices[patch.members[-1]])
     assert rim < 0.1 * np.linalg.norm(shift)
+
+
+def test_the_inner_part_is_scaled_about_its_middle():
+    patch, result = patch_of(MESH, 0.1), edited(scale_part, MESH, 0.1)
+    core = patch.members[patch.reach <= STIFF]
+    middle = patch.points.mean(axis=0)
+    np.testing.assert_allclose(
+        result.mesh.vertices[core] - middle, FACTOR * (MESH.vertices[core] - middle), rtol=0, atol=1e-12
+    )
 
 
 @SHARES

@@ -18,13 +18,15 @@ from tests.attacks.models import given_for, odd_strip, seam, seamed
 RANDOM = {
     "voxels",
     "noise", "gaussian", "crop", "similarity", "affine", "shuffle", "bump", "dent", "move_part", "delete_part",
-    "replace_part", "paste",
+    "replace_part", "paste", "scale_part", "smooth_part", "add_part",
 }  # fmt: skip
-LOCAL = {"bump", "dent", "move_part", "delete_part", "replace_part", "paste"}
+LOCAL = {
+    "bump", "dent", "move_part", "scale_part", "smooth_part", "add_part", "delete_part", "replace_part", "paste",
+}  # fmt: skip
 # Positions change, faces and numbers do not: a save patches the file.
 MOVING = {
     "noise", "gaussian", "smoothing", "smoothing_half", "taubin", "quantisation", "similarity", "affine", "float32",
-    "bump", "dent", "move_part", "paste", "second_mark", "collusion", "copy",
+    "bump", "dent", "move_part", "scale_part", "smooth_part", "paste", "second_mark", "collusion", "copy",
 }  # fmt: skip
 # New surfaces, whose vertices have no number from before.
 ANEW = {"remeshing", "voxels"}

@@ -10,7 +10,9 @@ from meshmark.benchmark.job import Look, Mark, mark_of, marks_of, needs
 from meshmark.benchmark.row import TRIALS, Case
 from meshmark.benchmark.suites import SUITES, cases
 
-LOCAL = {"bump", "dent", "move_part", "delete_part", "replace_part", "paste"}
+LOCAL = {
+    "bump", "dent", "move_part", "scale_part", "smooth_part", "add_part", "delete_part", "replace_part", "paste",
+}  # fmt: skip
 PROTOCOL = {"second_mark", "collusion", "copy"}
 STRENGTHS = {"subtle", "standard", "strong"}
 

@@ -8,10 +8,12 @@ from typing import NamedTuple
 from meshmark.attacks.attack import Attack, Function, Need
 from meshmark.attacks.crop import crop
 from meshmark.attacks.files import through_file
+from meshmark.attacks.local_add import add_part
 from meshmark.attacks.local_delete import delete_part
-from meshmark.attacks.local_move import move_part
+from meshmark.attacks.local_move import move_part, scale_part
 from meshmark.attacks.local_relief import bump, dent
 from meshmark.attacks.local_replace import replace_part
+from meshmark.attacks.local_smooth import smooth_part
 from meshmark.attacks.noise import gaussian, noise
 from meshmark.attacks.numbering import shuffle, unweld, weld
 from meshmark.attacks.paste import paste
@@ -95,6 +97,9 @@ ATTACKS: dict[str, Attack] = {
     "bump": _row(bump, _PARTS, _POINTS, "a bump raised with a sculpting brush"),
     "dent": _row(dent, _PARTS, _POINTS, "a dent pressed with a sculpting brush"),
     "move_part": _row(move_part, _PARTS, _POINTS, "a limb put into another pose"),
+    "scale_part": _row(scale_part, _PARTS, _POINTS, "a part made larger"),
+    "smooth_part": _row(smooth_part, _PARTS, _POINTS, "a part gone over with a smoothing brush"),
+    "add_part": _row(add_part, _PARTS, _POINTS, "a part put on, not sewn"),
     "delete_part": _row(delete_part, _PARTS, _POINTS, "a part deleted, which leaves a hole"),
     "replace_part": _row(replace_part, _PARTS, _POINTS, "a part sculpted anew"),
     "paste": _row(paste, _PARTS, _POINTS, "a part cut from another marked model and pasted in", "donor"),

@@ -1,0 +1,1 @@
+"""The bars of the authentication layer, recovery and unmarking, measured through the public interface."""

@@ -1,0 +1,77 @@
+"""The bars of the authentication layer (issue 5), each by its own name, measured beside what it asks for.
+
+    python -m benchmarks.authentication BAR... [--folder models/test] [--limit N] [--skip N] [--minutes M]
+        [--draws N] [--most-points N] [--seed N] [--rows FILE.csv]
+
+BAR: benign (1), edits (2), moves (3), pastes (4), payloads (5 and 8), recovery (6), unmark (7), forgeries (9);
+all of them without one. Models come in a random order, so that the first N are a fair sample. --minutes: no model
+is begun after so many. --draws: of each model only so many edits (edits, recovery) or tries (moves, forgeries),
+drawn at random. --rows: measurements are added to this file, and the table is that of all in it. Exits 1 where one
+of the bars that were measured is missed. Bar 10 is measured by `benchmarks.region_classifier`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from time import perf_counter, process_time
+
+from benchmarks.authentication import benign, payloads, points, restoring, tampering
+from benchmarks.authentication.figures import Row, append, load_rows, table
+from benchmarks.authentication.subjects import Subject, subjects
+
+BARS: dict[str, Callable[[Subject, int | None], Iterator[Row]]] = {
+    "benign": benign.measure,
+    "edits": tampering.measure,
+    "moves": points.measure_moves,
+    "pastes": tampering.measure_pastes,
+    "payloads": payloads.measure,
+    "recovery": restoring.measure,
+    "unmark": restoring.measure_unmark,
+    "forgeries": points.measure_forgeries,
+}
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("bars", nargs="*", choices=[*BARS, []], metavar="BAR")
+    parser.add_argument("--folder", default="models/test")
+    parser.add_argument("--limit", type=int)
+    parser.add_argument("--skip", type=int, default=0)
+    parser.add_argument("--minutes", type=float, default=1e9)
+    parser.add_argument("--draws", type=int)
+    parser.add_argument("--most-points", type=int, default=10_000_000)
+    parser.add_argument("--seed", type=int, default=5)
+    parser.add_argument("--rows", type=Path)
+    options = parser.parse_args()
+    start = perf_counter()
+    rows: list[Row] = []
+    for subject in subjects(options.folder, options.skip, options.limit, options.most_points, options.seed):
+        if perf_counter() - start > 60.0 * options.minutes:
+            break
+        rows += _measured(subject, options.bars or list(BARS), options.draws, options.rows)
+    text, met = table(rows if options.rows is None else load_rows(options.rows))
+    print(text)
+    return int(not met)
+
+
+def _measured(subject: Subject, bars: list[str], draws: int | None, file: Path | None) -> list[Row]:
+    layers = subject.marked.layers
+    print(f"{subject.name}: {len(subject.surface.points)} points, {layers}", flush=True)
+    rows = [Row("room for both layers", subject.name, layers, layers == "both")]
+    for bar in bars if layers == "both" else []:
+        before = process_time()
+        found = list(BARS[bar](subject, draws))
+        print(f"  {bar}: {len(found)} rows, {process_time() - before:.1f} s of processor time", flush=True)
+        rows += found
+    if file is not None:
+        append(rows, file)
+    return rows
+
+
+if __name__ == "__main__":
+    sys.exit(main())

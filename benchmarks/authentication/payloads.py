@@ -1,0 +1,89 @@
+"""Bars 5 and 8: how much payload there is, when it is read back, and an image byte by byte."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator
+
+import numpy as np
+from PIL import Image
+
+import meshmark as mm
+from benchmarks.authentication.figures import Row
+from benchmarks.authentication.subjects import KEY, Subject
+from meshmark.attacks.crop import without
+from meshmark.attacks.local_patch import draw_patch
+from meshmark.geometry.areas import vertex_areas
+from meshmark.geometry.weld import weld
+from meshmark.mesh import Mesh
+from meshmark.schemes.ncdg_lv.authentication.examination import examine
+from meshmark.schemes.ncdg_lv.authentication.payload import capacity
+
+__all__ = ["measure"]
+
+CROPS = 2
+
+
+def measure(subject: Subject, _draws: int | None) -> Iterator[Row]:
+    name, rng, count = subject.name, subject.rng("payload"), len(subject.surface.points)
+    found = examine(subject.upper.mesh, KEY)
+    marks = len(np.unique(found.checks.index))
+    net = 8.0 * capacity(marks, found.checks.symbol_bits) / count
+    yield Row("payload at 55 % of the marks, bits per point", name, "", net)
+    image = _image(count // 8, rng)
+    try:
+        full = mm.embed(subject.mesh, KEY, id=3, layers="both", payload=image)
+    except mm.CapacityError as error:
+        print(f"  image: {error}")
+        yield Row("image byte by byte", name, str(error), False)
+        return
+    content = mm.authenticate(full.mesh, KEY).content
+    yield Row("image byte by byte", name, "", content is not None and content.content == image)
+    yield Row("PSNR with both layers", name, "", full.psnr_db)
+    for _ in range(CROPS):
+        left = _connected(full.mesh, 0.6, rng)
+        yield Row("1 bit per point read from a connected 60 %", name, "", _reads(left, image))
+    small = rng.bytes(count // 16)
+    half = mm.embed(subject.mesh, KEY, id=4, layers="authentication", payload=small).mesh
+    surface = weld(half)
+    checks = examine(half, KEY).checks
+    for words, able in (("the marks", checks.passed), ("all points", np.ones(len(surface.points), bool))):
+        moved = _scattered(half, able, rng)
+        yield Row(f"half of that from 40 % of {words}, scattered", name, "", _reads(moved, small))
+
+
+def _image(size: int, rng: np.random.Generator) -> bytes:
+    """Return a PNG thumbnail of exactly so many bytes; what is left to fill follows its end."""
+    side = int(np.sqrt(size))
+    while True:
+        packed = io.BytesIO()
+        Image.fromarray(rng.integers(0, 256, (side, side), np.uint8)).save(packed, "PNG")
+        if len(packed.getvalue()) <= size:
+            return packed.getvalue().ljust(size, b"\0")
+        side -= 1
+
+
+def _connected(mesh: Mesh, share: float, rng: np.random.Generator) -> Mesh:
+    """Return what lies nearest to a random point along the surface, up to a share of the area."""
+    patch = draw_patch(mesh, 0.9999, rng)
+    areas = vertex_areas(patch.welded.points, patch.welded.faces)
+    count = int(np.searchsorted(np.cumsum(areas[patch.members]), share * areas.sum()))
+    kept = np.zeros(len(areas), bool)
+    kept[patch.members[:count]] = True
+    return without(mesh, ~kept[patch.welded.point_of_vertex]).mesh
+
+
+def _scattered(mesh: Mesh, able: np.ndarray, rng: np.random.Generator) -> Mesh:
+    """Move 60 % of the points that are `able` (p,) by a tenth of the mean edge or so."""
+    surface = weld(mesh)
+    edges = surface.points[surface.faces[:, 0]] - surface.points[surface.faces[:, 1]]
+    chosen = np.flatnonzero(able)
+    chosen = rng.permutation(chosen)[: round(0.6 * len(chosen))]
+    points = surface.points.copy()
+    points[chosen] += 0.1 * np.linalg.norm(edges, axis=1).mean() * rng.normal(size=(len(chosen), 3))
+    return mesh.with_vertices(points[surface.point_of_vertex])
+
+
+def _reads(mesh: Mesh, content: bytes) -> bool:
+    found = mm.authenticate(mesh, KEY)
+    return found.content is not None and found.content.content == content

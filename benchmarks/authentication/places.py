@@ -1,0 +1,34 @@
+"""Many changes in one check: places so far apart that each is judged as if it were alone."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+
+from meshmark.mesh import IntArray
+
+__all__ = ["APART", "around", "far_apart"]
+
+APART = 7
+"""Edges between two places. A change of a point and its ring shows within three edges of the point."""
+
+
+def around(graph: csr_array, point: int, steps: int) -> IntArray:
+    """Return the points within so many edges of a point."""
+    found = np.array([point])
+    for _ in range(steps):
+        rows = [graph.indices[graph.indptr[each] : graph.indptr[each + 1]] for each in found]
+        found = np.unique(np.concatenate([found, *rows]))
+    return found
+
+
+def far_apart(graph: csr_array, allowed: NDArray[np.bool_], rng: np.random.Generator) -> IntArray:
+    """Return points of `allowed` (p,), drawn one after the other, as many as find room."""
+    free = allowed.copy()
+    chosen = []
+    for point in rng.permutation(np.flatnonzero(allowed)).tolist():
+        if free[point]:
+            chosen.append(point)
+            free[around(graph, point, APART)] = False
+    return np.array(chosen, np.int64)
