@@ -1,12 +1,12 @@
 """The bars of the authentication layer (issue 5), each by its own name, measured beside what it asks for.
 
     python -m benchmarks.authentication BAR... [--folder models/test] [--limit N] [--skip N] [--minutes M]
-        [--draws N] [--most-points N] [--seed N] [--rows FILE.csv]
+        [--draws BAR=N ...] [--most-points N] [--seed N] [--rows FILE.csv]
 
 BAR: benign (1), edits (2), moves (3), pastes (4), payloads (5 and 8), recovery (6), unmark (7), forgeries (9);
 all of them without one. Models come in a random order, so that the first N are a fair sample. --minutes: no model
-is begun after so many. --draws: of each model only so many edits (edits, recovery) or tries (moves, forgeries),
-drawn at random. --rows: measurements are added to this file, and the table is that of all in it. Exits 1 where one
+is begun after so many. --draws: of each model only so many edits (edits, recovery) or tries (moves, forgeries:
+10,000 each without it), drawn at random. --rows: measurements are added to this file, and the table is that of all in it. Exits 1 where one
 of the bars that were measured is missed. Bar 10 is measured by `benchmarks.region_classifier`.
 """
 
@@ -43,7 +43,7 @@ def main() -> int:
     parser.add_argument("--limit", type=int)
     parser.add_argument("--skip", type=int, default=0)
     parser.add_argument("--minutes", type=float, default=1e9)
-    parser.add_argument("--draws", type=int)
+    parser.add_argument("--draws", type=_share, nargs="+", default=[], metavar="BAR=N")
     parser.add_argument("--most-points", type=int, default=10_000_000)
     parser.add_argument("--seed", type=int, default=5)
     parser.add_argument("--rows", type=Path)
@@ -53,23 +53,30 @@ def main() -> int:
     for subject in subjects(options.folder, options.skip, options.limit, options.most_points, options.seed):
         if perf_counter() - start > 60.0 * options.minutes:
             break
-        rows += _measured(subject, options.bars or list(BARS), options.draws, options.rows)
+        rows += _measured(subject, options.bars or list(BARS), dict(options.draws), options.rows)
     text, met = table(rows if options.rows is None else load_rows(options.rows))
     print(text)
     return int(not met)
 
 
-def _measured(subject: Subject, bars: list[str], draws: int | None, file: Path | None) -> list[Row]:
+def _share(text: str) -> tuple[str, int]:
+    bar, _, count = text.partition("=")
+    if bar not in BARS:
+        raise argparse.ArgumentTypeError(f"'{bar}' is not a bar, expected one of {', '.join(BARS)}")
+    return bar, int(count)
+
+
+def _measured(subject: Subject, bars: list[str], draws: dict[str, int], file: Path | None) -> list[Row]:
     layers = subject.marked.layers
     print(f"{subject.name}: {len(subject.surface.points)} points, {layers}", flush=True)
-    rows = [Row("room for both layers", subject.name, layers, layers == "both")]
+    rows: list[Row] = []
     for bar in bars if layers == "both" else []:
         before = process_time()
-        found = list(BARS[bar](subject, draws))
+        found = list(BARS[bar](subject, draws.get(bar)))
         print(f"  {bar}: {len(found)} rows, {process_time() - before:.1f} s of processor time", flush=True)
         rows += found
-    if file is not None:
-        append(rows, file)
+        if file is not None:
+            append(found, file)
     return rows
 
 

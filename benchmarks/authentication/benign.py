@@ -19,6 +19,7 @@ __all__ = ["measure"]
 
 
 def measure(subject: Subject, _draws: int | None) -> Iterator[Row]:
+    """Yield the layer's PSNR, and whether each operation leaves the model authentic."""
     yield Row("PSNR of the layer alone", subject.name, "", subject.upper.psnr_db)
     mesh = subject.marked.mesh
     for name, changed in [*benign_operations(mesh, subject.rng("benign")), *_attributes(mesh)]:

@@ -62,7 +62,6 @@ _COMBINED: dict[str, Callable[..., float]] = {"least": np.min, "most": np.max, "
 
 # fmt: off
 FIGURES = {
-    "room for both layers": Bar(1, "rate", 1.0),
     "authentic after a benign operation": Bar(1, "rate", 1.0),
     "PSNR of the layer alone": Bar(1, "least", 80.0, " dB"),
     "altered after a local edit": Bar(2, "rate", 1.0),
