@@ -16,7 +16,7 @@ from meshmark.attacks.local_patch import draw_patch
 from meshmark.geometry.areas import vertex_areas
 from meshmark.geometry.weld import weld
 from meshmark.mesh import Mesh
-from meshmark.schemes.ncdg_lv.authentication.examination import examine
+from meshmark.schemes.ncdg_lv.authentication.checks import check
 from meshmark.schemes.ncdg_lv.authentication.payload import capacity
 
 __all__ = ["measure"]
@@ -26,9 +26,8 @@ CROPS = 2
 
 def measure(subject: Subject, _draws: int | None) -> Iterator[Row]:
     name, rng, count = subject.name, subject.rng("payload"), len(subject.surface.points)
-    found = examine(subject.upper.mesh, KEY)
-    marks = len(np.unique(found.checks.index))
-    net = 8.0 * capacity(marks, found.checks.symbol_bits) / count
+    found = check(weld(subject.upper.mesh), KEY)
+    net = 8.0 * capacity(len(np.unique(found.index)), found.symbol_bits) / count
     yield Row("payload at 55 % of the marks, bits per point", name, "", net)
     image = _image(count // 8, rng)
     try:
@@ -46,8 +45,8 @@ def measure(subject: Subject, _draws: int | None) -> Iterator[Row]:
     small = rng.bytes(count // 16)
     half = mm.embed(subject.mesh, KEY, id=4, layers="authentication", payload=small).mesh
     surface = weld(half)
-    checks = examine(half, KEY).checks
-    for words, able in (("the marks", checks.passed), ("all points", np.ones(len(surface.points), bool))):
+    passed = check(surface, KEY).passed
+    for words, able in (("the marks", passed), ("all points", np.ones(len(surface.points), bool))):
         moved = _scattered(half, able, rng)
         yield Row(f"half of that from 40 % of {words}, scattered", name, "", _reads(moved, small))
 

@@ -17,7 +17,8 @@ from benchmarks.authentication.subjects import KEY, Subject, donor
 from meshmark.geometry.adjacency import adjacency, unique_edges
 from meshmark.geometry.weld import weld
 from meshmark.mesh import FloatArray, IntArray
-from meshmark.schemes.ncdg_lv.authentication.examination import examine
+from meshmark.schemes.ncdg_lv.authentication.checks import check
+from meshmark.schemes.ncdg_lv.authentication.localisation import altered_points
 
 __all__ = ["TRIES", "measure_forgeries", "measure_moves"]
 
@@ -36,7 +37,7 @@ class _Bench:
         self.surface = weld(self.mesh)
         count = len(self.surface.points)
         self.graph = csr_array(adjacency(unique_edges(self.surface.faces), count))
-        checks = examine(self.mesh, KEY).checks
+        checks = check(self.surface, KEY)
         self.allowed = checks.eligible & checks.verified
         self.marks = checks.passed
         self.step = STEP * checks.step
@@ -62,9 +63,10 @@ class _Bench:
 
     def _altered(self, points: FloatArray) -> NDArray[np.bool_]:
         """Return (p,): what is altered in the model with these points, saved in single precision."""
-        found = examine(self._saved(points), KEY)
+        surface = weld(self._saved(points))
+        found = altered_points(surface, check(surface, KEY))
         altered = np.zeros(len(points), bool)
-        altered[self.surface.point_of_vertex] = found.altered[found.surface.point_of_vertex]
+        altered[self.surface.point_of_vertex] = found[surface.point_of_vertex]
         return altered
 
     def _saved(self, points: FloatArray) -> mm.Mesh:
@@ -96,7 +98,7 @@ def measure_forgeries(subject: Subject, draws: int | None) -> Iterator[Row]:
         "brush stroke": partial(_stroke, bench),
         "ring replayed from another place": Replay(bench.surface, bench.surface, bench.marks),
         "ring replayed from another model": Replay(
-            bench.surface, weld(other), examine(other, KEY).checks.passed
+            bench.surface, weld(other), check(weld(other), KEY).passed
         ),
         "point moved, marks around guessed": partial(_guessed, bench),
     }
