@@ -10,7 +10,7 @@ from time import monotonic, perf_counter
 
 import numpy as np
 
-from meshmark.coding.codec import Codec, Decoded
+from meshmark.coding.codec import CHECK_WORD_LIMIT, Codec, Decoded
 from meshmark.coding.keys import Key
 from meshmark.errors import InputError
 from meshmark.geometry.weld import Welded, weld
@@ -19,7 +19,7 @@ from meshmark.schemes.ncdg_lv.binding import stranger
 from meshmark.schemes.ncdg_lv.certificate import Certificate
 from meshmark.schemes.ncdg_lv.cropping import cropped_readings
 from meshmark.schemes.ncdg_lv.locking import locked_readings, registered_readings, stretched_readings
-from meshmark.schemes.ncdg_lv.parameters import CREDIBLE_LOG10, DECODE_LOG10, PRESENT_LOG10
+from meshmark.schemes.ncdg_lv.parameters import CREDIBLE_LOG10, DECODE_LOG10, PRESENT_LOG10, PROVEN_LOG10
 from meshmark.schemes.ncdg_lv.reading import Reading, readings
 from meshmark.schemes.ncdg_lv.references import starting_frames
 from meshmark.schemes.ncdg_lv.results import Extraction
@@ -167,12 +167,14 @@ def _better(one: Reading | None, other: Reading) -> Reading:
 def _decoded(codec: Codec, reading: Reading) -> Found | None:
     """Decode a reading, and, where its lock is credible, its complement.
 
-    A round shape half a step too large or too small locks as well, with every bit turned round.
+    A round shape half a step too large or too small locks as well, with every bit turned round. Where the lock
+    alone proves the mark, less evidence is asked of the code.
     """
     observed = reading.observed(codec.n)
+    limit = PROVEN_LOG10 if _lock_bound(reading) <= PRESENT_LOG10 else CHECK_WORD_LIMIT
     credible = reading.log10_chance + log10(reading.hypotheses) < CREDIBLE_LOG10
     for signed in (observed, -observed) if credible else (observed,):
-        decoded = codec.decode(signed)
+        decoded = codec.decode(signed, limit)
         chance = reading.log10_chance + decoded.log10_chance + (log10(2.0) if credible else 0.0)
         bound = _log10_bound(chance, reading.hypotheses)
         if decoded.id is not None and bound <= PRESENT_LOG10:

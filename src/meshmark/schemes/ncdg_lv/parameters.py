@@ -38,6 +38,7 @@ __all__ = [
     "MOMENT_GAP",
     "ORIGINAL_SPACINGS",
     "PRESENT_LOG10",
+    "PROVEN_LOG10",
     "SOLVE_PASSES",
     "SOLVE_TOLERANCE",
     "SPACINGS",
@@ -138,6 +139,9 @@ SURELY_SKEW: Final = 0.03
 
 # "present" needs a false-positive bound below 10^this over everything that was tried.
 PRESENT_LOG10: Final = -6.0
+# Where the lock alone is that unlikely, an id is named if its word agrees so well by chance only (decision 0004): a
+# tenth of the bound above, as several readings of one mark are decoded.
+PROVEN_LOG10: Final = -7.0
 
 
 def preferred_spacings(area: float) -> list[float]:
