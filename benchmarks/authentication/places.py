@@ -8,10 +8,7 @@ from scipy.sparse import csr_array
 
 from meshmark.mesh import IntArray
 
-__all__ = ["APART", "around", "far_apart"]
-
-APART = 7
-"""Edges between two places. A change of a point and its ring shows within three edges of the point."""
+__all__ = ["around", "far_apart"]
 
 
 def around(graph: csr_array, point: int, steps: int) -> IntArray:
@@ -23,12 +20,15 @@ def around(graph: csr_array, point: int, steps: int) -> IntArray:
     return found
 
 
-def far_apart(graph: csr_array, allowed: NDArray[np.bool_], rng: np.random.Generator) -> IntArray:
-    """Return points of `allowed` (p,), drawn one after the other, as many as find room."""
+def far_apart(graph: csr_array, allowed: NDArray[np.bool_], edges: int, rng: np.random.Generator) -> IntArray:
+    """Return points of `allowed` (p,) more than so many edges apart, drawn one by one, as many as find room.
+
+    What one of them shows within half as many edges is its own.
+    """
     free = allowed.copy()
     chosen = []
     for point in rng.permutation(np.flatnonzero(allowed)).tolist():
         if free[point]:
             chosen.append(point)
-            free[around(graph, point, APART)] = False
+            free[around(graph, point, edges)] = False
     return np.array(chosen, np.int64)
