@@ -179,6 +179,30 @@ def test_an_image_comes_back_byte_for_byte(cli, files, sealed, tmp_path):
     assert "Nothing was altered" in ran.out
 
 
+def test_extract_says_that_there_are_marks_of_authentication_only(cli, files, sealed):
+    ran = cli("extract", sealed / "sealed.ply", "--key", files.key)
+    assert ran.code == 1
+    assert ran.out.startswith("Absent")
+    assert "carries marks of authentication" in ran.out
+
+
+def test_a_payload_that_is_not_there_is_not_passed_over(cli, files, tmp_path):
+    mark = ("--layers", "authentication", "--payload", "none")
+    assert cli("embed", files.model, tmp_path / "bare.ply", "--key", files.key, *mark).code == 0
+    ran = cli("authenticate", tmp_path / "bare.ply", "--key", files.key, "--payload", tmp_path / "out")
+    assert ran.code == 1
+    assert ran.out.startswith("Authentic")
+    assert "no payload was recovered" in ran.err
+    assert not (tmp_path / "out").exists()
+
+
+def test_an_error_names_the_file(cli, files, tmp_path):
+    (tmp_path / "flat.obj").write_text("v 0 0 0\nv 1 0 0\nf 1 2 2\n")
+    ran = cli("authenticate", tmp_path / "flat.obj", "--key", files.key)
+    assert (ran.code, len(ran.err.splitlines())) == (2, 1)
+    assert "flat.obj" in ran.err
+
+
 def test_unmark_returns_the_original(cli, files, sealed, tmp_path):
     arguments = ("--key", files.key, "--certificate", sealed / "sealed.cert")
     ran = cli("unmark", sealed / "sealed.ply", tmp_path / "plain.ply", *arguments, "--json")

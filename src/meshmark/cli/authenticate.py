@@ -9,7 +9,7 @@ import typer
 
 from meshmark.cli.options import AsJson, CertificateIn, KeyFile, ModelIn, OriginalIn
 from meshmark.cli.output import answer, say
-from meshmark.cli.paths import check_output
+from meshmark.cli.paths import check_output, naming
 from meshmark.cli.progress import progress
 from meshmark.cli.references import check_references, load_reference
 from meshmark.errors import InputError
@@ -54,7 +54,7 @@ def authenticate(
     Neither the original nor a certificate is needed. Turning, resizing, another order of vertices and other
     formats are no changes. The map is a PLY with IN's vertices in their order, colours, and a property `altered`.
 
-    Exit code 0: authentic; 1: altered, or not marked with this key; 3: inconclusive.
+    Exit code 0: authentic; 1: altered, not marked with this key, or no payload to write; 3: inconclusive.
     """
     from meshmark.coding.keys import Key
     from meshmark.io import read_mesh
@@ -66,12 +66,12 @@ def authenticate(
     secret = Key.load(key)
     reference = load_reference(certificate, original)
     mesh = read_mesh(model)
-    with progress("checking the marks"):
+    with progress("checking the marks"), naming(model):
         found = judge(mesh, secret, reference=reference)
-    _write(found, mesh, model, map_, report, payload)
+    complete = _write(found, mesh, model, map_, report, payload)
     told = found.to_dict() if as_json else {}
     answer(f"{_title(found)}: {model}. {found.advice}{_chance(found)}", told, as_json)
-    return VERDICT_CODES[found.verdict]
+    return VERDICT_CODES[found.verdict] or (0 if complete else 1)
 
 
 def _check_outputs(outputs: dict[Path | None, str | None], inputs: list[Path]) -> None:
@@ -89,7 +89,8 @@ def _write(
     map_: Path | None,
     report: Path | None,
     payload: Path | None,
-) -> None:
+) -> bool:
+    """Write what is asked for, and return whether all of it was there."""
     if map_ is not None:
         from meshmark.report.tamper_map import write_tamper_map
 
@@ -99,22 +100,24 @@ def _write(
 
         with progress("drawing"):
             write_authentication_page(mesh, found, model.name, report)
-    if payload is not None:
-        _write_payload(found, payload)
+    return payload is None or _write_payload(found, payload)
 
 
-def _write_payload(found: Authentication, path: Path) -> None:
+def _write_payload(found: Authentication, path: Path) -> bool:
     from meshmark.io import write_mesh
     from meshmark.io.whole import write_whole
     from meshmark.mesh import Mesh
     from meshmark.recovery.miniature import read_miniature
 
     if found.payload != "recovered" or found.content is None:
-        say(f"meshmark: {path} is not written: no payload was recovered")
-    elif found.content.kind == "miniature":
+        why = {"partial": "too little of it is intact", "none": "the model carries none"}[found.payload]
+        say(f"meshmark: {path} is not written: no payload was recovered, {why}")
+        return False
+    if found.content.kind == "miniature":
         write_mesh(Mesh(*read_miniature(found.content.content)), path)
     else:
         write_whole(path, found.content.content)
+    return True
 
 
 def _title(found: Authentication) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -9,10 +10,13 @@ import typer
 
 from meshmark.cli.options import AsJson, CertificateIn, KeyFile, ModelIn, OriginalIn, Search
 from meshmark.cli.output import answer
+from meshmark.cli.paths import naming
 from meshmark.cli.progress import progress
 from meshmark.cli.references import check_references, load_reference
 
 if TYPE_CHECKING:
+    from meshmark.coding.keys import Key
+    from meshmark.mesh import Mesh
     from meshmark.schemes.ncdg_lv import Extraction
 
 __all__ = ["EXIT_CODES", "extract"]
@@ -50,10 +54,26 @@ def extract(
     secret = Key.load(key)
     reference = load_reference(certificate, original)
     mesh = read_mesh(model)
-    with progress("looking for the mark"):
+    with progress("looking for the mark"), naming(model):
         found = find(mesh, secret, reference=reference, search=search.value, time_limit=time_limit)
+        if found.presence == "absent":
+            found = replace(found, advice=f"{found.advice}{_upper_layer(mesh, secret)}")
     answer(_words(found, model), found.to_dict(), as_json)
     return EXIT_CODES[found.presence]
+
+
+def _upper_layer(mesh: Mesh, key: Key) -> str:
+    """Return a sentence about marks of authentication where the model carries only these."""
+    from meshmark.coding.message import format_id
+    from meshmark.schemes.ncdg_lv.authentication.examination import told_by_marks
+
+    identity = told_by_marks(mesh, key)
+    if identity is None:
+        return ""
+    return (
+        f" It carries marks of authentication of this key, with the id {format_id(identity)}, but not the "
+        "ownership layer: `meshmark authenticate` reads them."
+    )
 
 
 def _words(found: Extraction, model: Path) -> str:

@@ -3,12 +3,25 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
-from meshmark.errors import InputError, OutputError
+from meshmark.errors import CapacityError, InputError, OutputError
 
-__all__ = ["check_output", "make_folder"]
+__all__ = ["check_output", "make_folder", "naming"]
+
+
+@contextmanager
+def naming(path: Path) -> Iterator[None]:
+    """Name the file in errors about what it holds."""
+    try:
+        yield
+    except (InputError, CapacityError) as error:
+        if path.name in str(error):
+            raise
+        kind = CapacityError if isinstance(error, CapacityError) else InputError
+        raise kind(f"{path.name}: {error}") from None
 
 
 def check_output(path: Path, inputs: Iterable[Path], suffix: str | None = None) -> None:

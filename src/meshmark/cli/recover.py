@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from meshmark.cli.options import AsJson, CertificateIn, KeyFile, ModelIn, ModelOut
 from meshmark.cli.output import answer, percent, plural, say
-from meshmark.cli.paths import check_output
+from meshmark.cli.paths import check_output, naming
 from meshmark.cli.progress import progress
 from meshmark.cli.references import load_reference
 
@@ -29,7 +29,7 @@ def recover(
     secret = Key.load(key)
     reference = load_reference(certificate)
     mesh = read_mesh(model)
-    with progress("recovering"):
+    with progress("recovering"), naming(model):
         found = bring_back(mesh, secret, reference=reference)
     if found.mesh is None:
         answer(f"Not recovered: {model}. {found.advice}", found.to_dict(), as_json)

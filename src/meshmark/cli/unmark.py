@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from meshmark.cli.options import AsJson, CertificateIn, KeyFile, ModelIn, ModelOut
 from meshmark.cli.output import answer, percent, say
-from meshmark.cli.paths import check_output
+from meshmark.cli.paths import check_output, naming
 from meshmark.cli.progress import progress
 from meshmark.errors import InputError
 
@@ -17,6 +17,10 @@ if TYPE_CHECKING:
     from meshmark.mesh import Mesh
 
 __all__ = ["unmark"]
+
+WITHIN = 2.2e-7
+"""How far, over the diagonal, a vertex of what comes back is off: half the step of the certificate on each axis."""
+_EXACT = f"the original within {WITHIN:.1e} of the diagonal"
 
 
 def unmark(
@@ -39,9 +43,9 @@ def unmark(
     secret = Key.load(key)
     kept = Certificate.load(certificate)
     mesh = read_mesh(model)
-    with progress("taking the mark off"):
+    with progress("taking the mark off"), naming(model):
         found = take_off(mesh, secret, kept)
-        whole = "the original" if found.exact else _told(model, mesh, secret)
+        whole = _EXACT if found.exact else _told(model, mesh, secret)
     report = write_mesh(found.mesh, out)
     if report.dropped:
         say(f"meshmark: {out.name} cannot hold the model's {', '.join(report.dropped)}")
@@ -50,6 +54,7 @@ def unmark(
     )
     fields = {
         "exact": found.exact,
+        "within_over_diagonal": WITHIN,
         "rms_over_diagonal": found.rms_over_diagonal,
         "seconds": perf_counter() - start,
     }
@@ -65,5 +70,5 @@ def _told(path: Path, mesh: Mesh, key: Key) -> str:
     if found.id is None:
         raise InputError(f"{path.name} carries no mark of this key, so there is none to take off")
     if found.marked and not found.altered.any():
-        return "the original as this copy lies, within rounding"
+        return f"{_EXACT} and this copy's rounding, as it lies"
     return "but the model was changed since it was marked"

@@ -195,4 +195,4 @@ def _advice(carriers: int, points: int, strength: str) -> str:
         )
     text = f"{text} that hold their bits, has {carriers} of which too few do ({points} points)"
     stronger = {"subtle": "standard", "standard": "strong"}.get(strength)
-    return f"{text}; --strength {stronger} may do" if stronger else text
+    return f"{text}; --strength {stronger} was not tried" if stronger else text

@@ -139,7 +139,7 @@ def _both(
     try:
         return _on_top(below, mesh, key, content, tolerance)
     except _OverBudgetError as error:
-        reserve = _MORE * error.rms / diagonal_of(mesh)
+        reserve = _MORE * error.share
         if reserve >= BUDGETS[strength]:
             raise _NoRoomError(below, str(error)) from None
         below = embed_ownership(mesh, key, id=identity, strength=strength, reserve=reserve)
@@ -152,14 +152,14 @@ def _both(
 
 
 class _OverBudgetError(CapacityError):
-    """The upper layer moves the surface by this RMS (scene units), too much beside the lower one."""
+    """The upper layer moves the surface by this RMS over the diagonal, too much beside the lower one."""
 
-    def __init__(self, rms: float, strength: str) -> None:
+    def __init__(self, share: float, strength: str) -> None:
         super().__init__(
-            f"the marks of authentication need more than strength {strength} allows, since the model's file or its "
-            "size calls for coarse ones; a greater strength may do"
+            f"the marks of authentication move vertices by {100 * share:.2g} % of the diagonal RMS, as the model's "
+            f"file or its size calls for: beside the id too much for strength {strength}"
         )
-        self.rms = rms
+        self.share = share
 
 
 def _on_top(below: Embedding, original: Mesh, key: Key, content: Asked, tolerance: str | None) -> Embedding:
@@ -168,7 +168,7 @@ def _on_top(below: Embedding, original: Mesh, key: Key, content: Asked, toleranc
     diagonal = diagonal_of(original)
     rms = displacement_rms(original, upper.mesh)
     if rms > BUDGETS[below.strength] * diagonal:
-        raise _OverBudgetError(displacement_rms(below.mesh, upper.mesh), below.strength)
+        raise _OverBudgetError(displacement_rms(below.mesh, upper.mesh) / diagonal, below.strength)
     carriers = below.carriers
     layers = "authentication"
     if carriers:
@@ -234,7 +234,7 @@ def _read_back(mesh: Mesh, key: Key, identity: int, packed: bytes) -> None:
             "the marks of authentication cannot be read back from the positions the file can hold"
         )
     if decode(found.index, found.value, found.symbol_bits) != packed:
-        raise CapacityError("the payload cannot be read back; a smaller one may do")
+        raise CapacityError("the payload cannot be read back from the marked model")
 
 
 def still_authentic(surface: Welded, key: Key, identity: int) -> bool:

@@ -20,7 +20,7 @@ from meshmark.schemes.ncdg_lv.binding import stranger
 from meshmark.schemes.ncdg_lv.certificate import Certificate
 from meshmark.schemes.ncdg_lv.extraction import extract
 
-__all__ = ["DOUBTFUL_LOG10", "MARKED_LOG10", "Examination", "examine"]
+__all__ = ["DOUBTFUL_LOG10", "MARKED_LOG10", "Examination", "examine", "told_by_marks"]
 
 MARKED_LOG10 = -9.0
 """Marks are there where so many hold by chance less often than this."""
@@ -116,3 +116,9 @@ def _payload(checks: Checks) -> Payload | None:
         return None
     packed = decode(checks.index, checks.value, checks.symbol_bits)
     return None if packed is None else unpack(packed)
+
+
+def told_by_marks(mesh: Mesh, key: Key) -> int | None:
+    """Return the id that the marks of authentication alone tell, None where they are not surely there."""
+    checks = check(weld(mesh), key)
+    return checks.nonce if checks.log10_chance <= MARKED_LOG10 else None
