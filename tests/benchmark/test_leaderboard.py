@@ -68,6 +68,14 @@ def test_the_page_is_made_by_one_command(tmp_path, capsys):
     assert main([]) == 2
 
 
+@pytest.mark.parametrize(("text", "sentence"), [("a,b\n1,2\n", "is no results.csv"), (None, "No such file")])
+def test_a_file_that_is_none_is_said_to_be_so(tmp_path, capsys, text, sentence):
+    if text:
+        (tmp_path / "other.csv").write_text(text)
+    assert main([str(tmp_path / "other.csv")]) == 2
+    assert sentence in capsys.readouterr().err
+
+
 def test_results_without_a_mark_are_refused():
     with pytest.raises(InputError, match="no marked model"):
         leaderboard([])

@@ -170,7 +170,7 @@ def test_missed_and_found_add_up_to_all():
 def planted_probes() -> dict[Probe, Outcome]:
     regions = {"balance": 1.5, "agreement": 0.75, "seconds": 0.02, "altered": [1.0, 0.0, 0.0],
                "network": [3.0, -2.0, 0.5], "rule": [-1.0, -2.0, -3.0], "called": [0.25]}  # fmt: skip
-    choices = {f"{m.saliency} + {m.segmentation}": regions for m in CHOICES}
+    choices = {m.map: regions for m in CHOICES}
     bits = {
         "errors": [0.1, 0.2],
         "information": [0.5, 0.6],

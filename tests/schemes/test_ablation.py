@@ -72,7 +72,7 @@ def test_agreement_does_not_see_the_numbers_of_regions():
 
 def test_figures_of_regions_are_of_all_choices():
     figures = region_figures(Mesh(*pebble()), np.random.default_rng(1))
-    assert set(figures) == {f"{m.saliency} + {m.segmentation}" for m in CHOICES}
+    assert set(figures) == {m.map for m in CHOICES}
     full = figures["nc_dgg + map"]
     assert full["agreement"] > 0.5
     assert len(full["altered"]) == len(full["network"]) == len(full["rule"])

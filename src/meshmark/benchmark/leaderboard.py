@@ -52,11 +52,18 @@ def main(arguments: Sequence[str]) -> int:
         return 2
     source = Path(arguments[0])
     command = " ".join(["python -m meshmark.benchmark.leaderboard", source.name])
-    page = leaderboard(read_results(source.read_text(encoding="utf-8")), command)
-    if len(arguments) == 1:
-        print(page, end="")
-    else:
-        Path(arguments[1]).write_text(page, encoding="utf-8")
+    try:
+        page = leaderboard(read_results(source.read_text(encoding="utf-8")), command)
+        if len(arguments) == 1:
+            print(page, end="")
+        else:
+            Path(arguments[1]).write_text(page, encoding="utf-8")
+    except (OSError, InputError) as error:
+        print(f"leaderboard: {error}", file=sys.stderr)
+        return 2
+    except (KeyError, UnicodeDecodeError):
+        print(f"leaderboard: {source} is no results.csv of a benchmark", file=sys.stderr)
+        return 2
     return 0
 
 

@@ -18,7 +18,6 @@ Figures = Mapping[str, Mapping[str, Any]]
 
 _WORDS = {"nc_dgg": "NC-DGG", "random": "random vertices", "laplace_beltrami": "Laplace–Beltrami", "map": "map",
           "k_means": "k-means", "fuzzy_c_means": "fuzzy c-means"}  # fmt: skip
-_WHOLE = f"{FULL.saliency} + {FULL.segmentation}"
 # What is compared with the full system, and the sign that makes more the better.
 _MEASURES = {"balance": -1.0, "same region": 1.0, "called": -1.0}
 
@@ -36,7 +35,7 @@ def map_table(regions: Sequence[Figures]) -> Table:
                 Cell(number(float(np.median([*balance]))), f"worst {number(max(balance))}"),
                 *(_neutral([*own[name].values()]) for name in ("same region", "called")),
                 Cell(f"{number(1000 * float(np.median(seconds)))} ms"),
-                Cell(_against(own, _measures(regions, _WHOLE)) if choice != _WHOLE else NOTHING),
+                Cell(_against(own, _measures(regions, FULL.map)) if choice != FULL.map else NOTHING),
             )
         )
     columns = (

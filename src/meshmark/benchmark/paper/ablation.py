@@ -14,18 +14,11 @@ from meshmark.benchmark.paper.ablated_regions import Figures, area, map_table, t
 from meshmark.benchmark.paper.claims import ABLATION, DOUBTS
 from meshmark.benchmark.paper.compared import standing
 from meshmark.benchmark.paper.measured import OWN, Group, Measured, db_cell, share_cell
-from meshmark.schemes.ablation.modules import EMBEDDINGS
+from meshmark.schemes.ablation.modules import EMBEDDINGS, PAPER
 
 __all__ = ["ablation_tables"]
 
 _SCHEMES = tuple(EMBEDDINGS.values())
-# Which of our rows comes nearest to each of the paper's: the map's modules, and the scheme of its embedding.
-_NEAREST = (
-    ("random + k_means", OWN),
-    ("nc_dgg + fuzzy_c_means", "lsb"),
-    ("nc_dgg + map", "lsb"),
-    ("nc_dgg + map", OWN),
-)
 
 
 def ablation_tables(measured: Measured, probes: Mapping[Probe, Outcome]) -> list[Table]:
@@ -47,7 +40,8 @@ def _found(probes: Mapping[Probe, Outcome], kind: str) -> list[Figures]:
 
 def _paper(measured: Measured, regions: Sequence[Figures]) -> Table:
     rows = []
-    for claim, (choice, scheme) in zip(ABLATION, _NEAREST, strict=True):
+    for claim, modules in zip(ABLATION, PAPER, strict=True):
+        choice, scheme = modules.map, modules.scheme
         attacks = sorted({row.case.attack for row in measured.rows if row.case.trial == "marked"} - {"none"})
         psnr = measured.values(scheme, ("none",), lambda row: row.psnr_db)
         clean = measured.values(scheme, ("none",), lambda row: row.ber)

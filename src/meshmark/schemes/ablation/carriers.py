@@ -6,10 +6,9 @@ from typing import Any, Final
 
 import numpy as np
 
-from meshmark.carriers.quantisation import log_likelihood_ratio
 from meshmark.errors import CapacityError
 from meshmark.mesh import FloatArray, IntArray, Mesh
-from meshmark.schemes.ncdg_lv.demodulator import demodulate
+from meshmark.schemes.ablation.extraction import EXTRACTIONS
 from meshmark.schemes.ncdg_lv.training import information, raw_errors
 from meshmark.schemes.ncdg_lv.trials import Marked, Trial, mark, trials
 
@@ -30,20 +29,16 @@ def carrier_figures(mesh: Mesh, rng: np.random.Generator) -> dict[str, Any]:
     if marked is None:
         raise CapacityError("the model has no room for a mark")
     figures: dict[str, dict[str, list[float]]] = {
-        name: {"errors": [], "information": [], "decoded": [], "decoded_half": []}
-        for name in ("network", "rule")
+        name: {"errors": [], "information": [], "decoded": [], "decoded_half": []} for name in EXTRACTIONS
     }
     for trial in trials(marked, rng, ATTACKS):
         order = rng.permutation(len(trial.phase))
-        soft = {
-            "network": demodulate(trial.phase, trial.cells, trial.step, trial.relief),
-            "rule": log_likelihood_ratio(trial.phase),
-        }
-        for name, values in soft.items():
-            figures[name]["errors"].append(raw_errors(values, trial.targets))
-            figures[name]["information"].append(information(values, trial.targets))
-            figures[name]["decoded"].append(_decoded(marked, trial, values, 1.0, order))
-            figures[name]["decoded_half"].append(_decoded(marked, trial, values, SHARE, order))
+        for name, extraction in EXTRACTIONS.items():
+            soft = extraction.bits(trial)
+            figures[name]["errors"].append(raw_errors(soft, trial.targets))
+            figures[name]["information"].append(information(soft, trial.targets))
+            figures[name]["decoded"].append(_decoded(marked, trial, soft, 1.0, order))
+            figures[name]["decoded_half"].append(_decoded(marked, trial, soft, SHARE, order))
     return figures
 
 

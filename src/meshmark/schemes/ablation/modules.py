@@ -20,6 +20,7 @@ from meshmark.geometry.weld import Welded
 from meshmark.mesh import FloatArray, IntArray, Mesh
 from meshmark.saliency.nc_dgg import saliency
 from meshmark.saliency.salient_points import salient_points
+from meshmark.schemes.ablation.extraction import EXTRACTIONS
 from meshmark.schemes.rivals.adf import Adf
 from meshmark.schemes.rivals.host import Host
 from meshmark.schemes.rivals.laplace_beltrami import LaplaceBeltrami
@@ -27,7 +28,7 @@ from meshmark.schemes.rivals.regional import Regional
 from meshmark.segmentation.clusters import fuzzy_c_means_regions, k_means_regions
 from meshmark.segmentation.map_segmentation import Regions, choose_seeds, default_regions, map_regions
 
-__all__ = ["EMBEDDINGS", "EXTRACTIONS", "FULL", "SALIENCY", "SEGMENTATION", "Modules", "region_map"]
+__all__ = ["EMBEDDINGS", "FULL", "PAPER", "SALIENCY", "SEGMENTATION", "Modules", "region_map"]
 
 
 def _nc_dgg(points: FloatArray, faces: IntArray, _: np.random.Generator) -> tuple[FloatArray, IntArray]:
@@ -73,7 +74,6 @@ SEGMENTATION: dict[str, Callable[[FloatArray, IntArray, IntArray], Regions]] = {
 }
 # The scheme whose rows show an embedding.
 EMBEDDINGS = {"barycentre": "ncdg_lv", "lsb": "lsb"}
-EXTRACTIONS = ("network", "rule")
 
 
 @dataclass(frozen=True)
@@ -93,8 +93,25 @@ class Modules:
                     f"'{getattr(self, name)}' is no {name}, expected one of {', '.join(choices)}"
                 )
 
+    @property
+    def map(self) -> str:
+        """Return the name of the map of regions that these modules make."""
+        return f"{self.saliency} + {self.segmentation}"
+
+    @property
+    def scheme(self) -> str:
+        """Return the scheme whose rows show the embedding."""
+        return EMBEDDINGS[self.embedding]
+
 
 FULL = Modules()
+# The rows of the paper's ablation table, as near as they can be made here.
+PAPER = (
+    Modules("random", "k_means"),
+    Modules(segmentation="fuzzy_c_means", embedding="lsb"),
+    Modules(embedding="lsb"),
+    FULL,
+)
 
 
 def region_map(surface: Welded, modules: Modules, rng: np.random.Generator) -> Regions:

@@ -12,8 +12,8 @@ from meshmark.attacks.chain import parse_chain
 from meshmark.geometry.areas import vertex_areas
 from meshmark.geometry.weld import weld
 from meshmark.mesh import IntArray, Mesh
+from meshmark.schemes.ablation.extraction import EXTRACTIONS
 from meshmark.schemes.ablation.modules import FULL, Modules, region_map
-from meshmark.schemes.ncdg_lv.authentication.region_classifier import distortion
 from meshmark.schemes.ncdg_lv.authentication.region_trials import Edited, edited_models, judged
 from meshmark.segmentation.map_segmentation import Regions
 
@@ -31,8 +31,6 @@ CHOICES: Final = (
 EDITS: Final = 4
 # A copy that went through other hands: slightly noisy, turned, its vertices in another order.
 COPY: Final = "noise:0.003+similarity:1+shuffle:1"
-# Threshold of the binomial rule, -log10 of the chance.
-RULE: Final = 3.0
 
 
 def region_figures(mesh: Mesh, rng: np.random.Generator) -> dict[str, Any]:
@@ -52,7 +50,7 @@ def region_figures(mesh: Mesh, rng: np.random.Generator) -> dict[str, Any]:
         maps = [region_map(edited.found.surface, modules, np.random.default_rng(seed)) for edited in models]
         seconds = (perf_counter() - start) / len(models)
         other = region_map(weld(copy.mesh), modules, np.random.default_rng(seed))
-        figures[f"{modules.saliency} + {modules.segmentation}"] = {
+        figures[modules.map] = {
             "balance": maps[0].balance,
             "agreement": _on_copy(models[0].mesh, maps[0], copy.mesh, other, copy.origin),
             "seconds": seconds,
@@ -78,19 +76,14 @@ def _on_copy(mesh: Mesh, map_: Regions, copy: Mesh, other: Regions, origin: IntA
 
 
 def _verdicts(models: list[Edited], maps: list[Regions]) -> dict[str, list[float]]:
-    found: dict[str, list[float]] = {"altered": [], "network": [], "rule": [], "called": []}
+    found: dict[str, list[float]] = {"altered": [], "called": [], **{name: [] for name in EXTRACTIONS}}
     for edited, map_ in zip(models, maps, strict=True):
         trial = judged(edited, map_)
-        failed = trial.features[:, :, 2].max(axis=1) > 0.0
-        sure = np.where(trial.home, 99.0, -99.0)
-        network = np.where(failed & ~trial.home, distortion(trial.features), sure)
-        rule = np.where(failed & ~trial.home, -trial.log10_chance.min(axis=1) - RULE, sure)
         found["altered"] += trial.altered.any(axis=1).astype(float).tolist()
-        found["network"] += [round(float(x), 3) for x in network]
-        found["rule"] += [round(float(x), 3) for x in rule]
+        for name, extraction in EXTRACTIONS.items():
+            found[name] += np.round(extraction.regions(trial), 3).tolist()
         if edited.edit:
+            called = np.flatnonzero(EXTRACTIONS[FULL.extraction].regions(trial) > 0.0)
             areas = vertex_areas(edited.found.surface.points, edited.found.surface.faces)
-            found["called"].append(
-                float(areas[np.isin(map_.region, np.flatnonzero(network > 0.0))].sum() / areas.sum())
-            )
+            found["called"].append(float(areas[np.isin(map_.region, called)].sum() / areas.sum()))
     return found
