@@ -53,8 +53,8 @@ def regions(host: Host, lengths: csr_array, cluster: IntArray) -> IntArray:
     """
     seeds = np.flatnonzero(cluster >= 0)
     _, _, source = dijkstra(lengths, indices=seeds, min_only=True, return_predecessors=True)
-    found = np.where(source >= 0, cluster[source], -1)
-    alone = found < 0
+    alone = source < 0
+    found = np.where(alone, -1, cluster[np.where(alone, 0, source)])
     if alone.any():
         found[alone] = cluster[seeds[cKDTree(host.points[seeds]).query(host.points[alone])[1]]]
     return found
