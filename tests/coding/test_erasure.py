@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from meshmark.coding.erasure import ErasureCode, capacity, decode
 from meshmark.coding.erasure_belief import trust
 from meshmark.coding.erasure_graph import DENSE, Graph, mix, sizes
-from meshmark.coding.erasure_solver import eliminate
+from meshmark.coding.erasure_solver import eliminate, peel
 from meshmark.errors import CapacityError, InputError
 
 
@@ -114,6 +114,16 @@ def test_elimination_solves_what_is_planted_and_says_what_is_open():
     assert np.array_equal(eliminate(rows, right, 70), planted)
     rows[:, 1] &= ~np.uint64(1)  # unknown 64 in no equation
     assert eliminate(rows, right, 70) is None
+
+
+def test_peeling_finds_what_elimination_finds_or_nothing():
+    graph = Graph(300)
+    message = np.random.default_rng(5).integers(0, 256, 300).astype(np.uint16)
+    whole = graph.intermediate(message)
+    index = np.random.default_rng(6).integers(0, 1 << 32, 600, dtype=np.uint32)
+    values = graph.outputs(whole, index)
+    assert np.array_equal(peel(graph, index, values), whole[0])
+    assert peel(graph, index[:200], values[:200]) is None
 
 
 def test_mixing_is_the_known_splitmix64():

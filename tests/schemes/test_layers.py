@@ -106,6 +106,16 @@ def test_an_edit_is_found_and_nothing_else(both):
     assert all(region.probability > 0.5 for region in found.regions if region.id in called)
 
 
+def test_six_significant_digits_are_no_alteration(model):
+    # Of a size at which they are coarser than six decimals and than single precision.
+    larger = Mesh(1.2 * model.vertices, model.faces)
+    marked = embed(larger, KEY, id=ID, layers="authentication").mesh
+    size = 10.0 ** (np.floor(np.log10(np.maximum(np.abs(marked.vertices), 1e-12))) - 5.0)
+    rounded = Mesh(np.round(marked.vertices / size) * size, marked.faces)
+    assert np.abs(rounded.vertices - marked.vertices).max() > 4e-6
+    assert authenticate(rounded, KEY).verdict == "authentic"
+
+
 def test_noise_everywhere_is_an_alteration_everywhere(both):
     random = np.random.default_rng(3)
     noisy = both.mesh.with_vertices(both.mesh.vertices + 5e-4 * random.normal(size=both.mesh.vertices.shape))

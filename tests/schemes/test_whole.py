@@ -8,7 +8,7 @@ import pytest
 from meshmark.geometry.areas import face_areas
 from meshmark.geometry.weld import weld
 from meshmark.mesh import Mesh
-from meshmark.schemes.ncdg_lv import authenticate, embed
+from meshmark.schemes.ncdg_lv import authenticate, embed, recover
 from meshmark.schemes.ncdg_lv.authentication.whole import SIZE, Whole, unmarked_parts, whole_of
 from tests.keys import ID, KEY
 from tests.shapes import pebble
@@ -39,6 +39,9 @@ def test_a_shell_that_is_gone_is_missed(marked):
     gone = areas[(marked.faces >= count).all(axis=1)].sum() / areas.sum()
     assert found.missing_area_fraction == pytest.approx(gone, abs=0.03)
     assert f"{found.points_missing:,} points" in found.advice
+    back = recover(left, KEY)
+    assert back.mesh is None
+    assert "Whole parts are missing" in back.advice
 
 
 def test_a_part_too_fine_for_marks_that_is_added_is_seen(marked):
@@ -63,6 +66,19 @@ def test_what_is_missing_of_a_surface_is_measured(marked):
     assert found.verdict == "altered"
     assert found.missing_area_fraction == pytest.approx(areas[gone].sum() / areas.sum(), abs=0.02)
     assert "of the signed-off surface is missing" in found.advice
+
+
+def test_holes_are_closed_and_one_that_meets_the_own_border_is_said_to_stay():
+    points, faces = pebble()
+    middles = points[faces].mean(axis=1)
+    faces = faces[middles[:, 2] < 0.9 * middles[:, 2].max()]
+    whole = embed(Mesh(points, faces), KEY, id=ID, layers="authentication").mesh
+    middles = whole.vertices[whole.faces].mean(axis=1)
+    for place, added in ((middles[:, 2].argmin(), True), (middles[:, 2].argmax(), False)):
+        gone = np.linalg.norm(middles - middles[place], axis=1) < 0.4
+        found = recover(Mesh(whole.vertices, whole.faces[~gone]), KEY)
+        assert (found.mesh is not None, found.faces_added > 0) == (added, added)
+        assert ("left open" in found.advice) == (not added)
 
 
 def test_packing_round_trips_and_points_too_near_are_not_counted():

@@ -16,6 +16,7 @@ from meshmark.geometry.weld import Welded
 from meshmark.io.derived import derived, losses
 from meshmark.io.save import conform
 from meshmark.mesh import IntArray, Mesh
+from meshmark.recovery.borders import border_edges
 from meshmark.recovery.recovering import Recovered
 from meshmark.recovery.recovering import recover as recover_surface
 from meshmark.schemes.ncdg_lv.authentication.examination import Examination, examine
@@ -23,6 +24,9 @@ from meshmark.schemes.ncdg_lv.certificate import Certificate
 from meshmark.schemes.ncdg_lv.threads import on_one_thread
 
 __all__ = ["Recovery", "recover"]
+
+
+_OPEN = "A hole is left open that meets a border of the model's own, or for which the miniature has nothing."
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,6 +73,11 @@ def recover(mesh: Mesh, key: Key, *, reference: Certificate | Mesh | None = None
     found = examine(mesh, key, reference)
     areas = vertex_areas(found.surface.points, found.surface.faces)
     share = float(areas[found.altered].sum() / areas.sum())
+    if found.marked and not found.altered.any() and (found.points_missing or 0) > 0:
+        advice = (
+            "Whole parts are missing, with nothing left that they were joined to; they are not brought back."
+        )
+        return Recovery(None, 0.0, 0, 0, 0, advice, perf_counter() - start)
     if found.marked and not found.altered.any():
         return Recovery(mesh, 0.0, 0, 0, 0, "Nothing was altered.", perf_counter() - start)
     payload = found.payload
@@ -82,8 +91,12 @@ def recover(mesh: Mesh, key: Key, *, reference: Certificate | Mesh | None = None
     added = int(made.added.sum())
     if not (moved or removed or added):
         advice = "What was altered is less than the miniature tells, or out of its reach."
+        if _left_open(found, made):
+            advice = f"Nothing was brought back. {_OPEN}"
         return Recovery(None, share, 0, 0, 0, advice, perf_counter() - start)
     advice = "The altered parts are back as the miniature has them."
+    if _left_open(found, made):
+        advice += f" {_OPEN}"
     lost = losses(whole)
     if lost:
         advice += f" Its file cannot keep with other faces: {', '.join(lost)}."
@@ -96,6 +109,13 @@ def _why_not(found: Examination) -> str:
     if found.payload is None:
         return "Too little is intact to read the payload."
     return f"The model carries no miniature of itself; its payload: {found.payload.kind}."
+
+
+def _left_open(found: Examination, made: Recovered) -> bool:
+    """Return whether a rim that an edit made is still a border."""
+    torn = np.append(found.checks.torn, False)[made.origin]  # new points, -1, were not torn
+    ends = border_edges(made.faces)
+    return bool(torn[ends].all(axis=1).any())
 
 
 def _of_file(mesh: Mesh, surface: Welded, made: Recovered) -> tuple[Mesh, int, int]:
