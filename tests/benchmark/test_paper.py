@@ -135,6 +135,8 @@ def test_whoever_leads_is_told_and_why():
     assert not chance.clearly
     assert "within chance" in chance.words
     assert standing({"ncdg_lv": better, "lsb": own}, group, "%", lost).words == "leads"
+    guesses = {"ncdg_lv": dict.fromkeys("abcdef", 0.51), "lsb": dict.fromkeys("abcdef", 0.47)}
+    assert standing(guesses, group, "%", lost).words == "level with lsb (both guess)"
     assert standing({"ncdg_lv": better, "lsb": own}, group, "dB", lost).clearly, "more decibels are better"
     assert standing({"ncdg_lv": own, "ncdg_lv_certificate": better}, group, "%", lost).words == "–"
     assert standing({"lsb": own}, group, "%", lost).words == "–"

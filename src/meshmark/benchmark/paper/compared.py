@@ -25,6 +25,8 @@ __all__ = ["Standing", "standing", "tables"]
 
 # Differences below these are a tie: a bit in a thousand payloads, and what nobody can see.
 _TIES = {"%": 2e-5, "dB": 0.05}
+# Who reads more of the bits wrong than this guesses, and nobody guesses better than another.
+_GUESSING = 0.4
 _NOISE = ("gaussian:0.01", "gaussian:0.02", "gaussian:0.05")
 _MOVED = "similarity:1"
 
@@ -102,7 +104,7 @@ def _claim_cells(claims: Claims, group: Group) -> list[Cell]:
         return [Cell(f"{value:.2f}") for value in claims.rows[group.claim]]
     if group.average:
         average = claims.average or tuple(float(value) for value in np.mean(claims.rows, axis=0))
-        small = "" if claims.average else "our mean of the rows"
+        small = "" if claims.average else "mean of rows"
         return [Cell(f"{value:.5g}", small) for value in average]
     return [Cell(NOTHING)] * len(CLAIMED)
 
@@ -137,8 +139,9 @@ def standing(values: Mapping[str, Values], group: Group, unit: str, lost: Values
         compared += 1
         sign = 1.0 if unit == "dB" else -1.0
         lead = db_estimate([sign * (own[model] - theirs[model]) for model in both])
-        if lead is None or abs(lead.value) <= _TIES[unit]:
-            level.append(title_of(name))
+        guessing = unit == "%" and all(np.mean([h[m] for m in both]) > _GUESSING for h in (own, theirs))
+        if guessing or lead is None or abs(lead.value) <= _TIES[unit]:
+            level.append(f"{title_of(name)}{' (both guess)' if guessing else ''}")
             continue
         chance = lead.low <= 0.0 <= lead.high
         if lead.value < 0.0:
