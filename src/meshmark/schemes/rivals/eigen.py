@@ -6,6 +6,7 @@ from functools import partial
 
 import numpy as np
 from scipy.sparse import coo_array, csc_array, diags_array
+from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import LinearOperator, eigsh, splu
 
 from meshmark.geometry.areas import area_vectors, vertex_areas
@@ -16,6 +17,7 @@ __all__ = ["smallest_eigenpairs", "surface_eigenpairs"]
 # Of the sum of all areas: eigenvalues of a surface of area 1 are about 4 pi times their number.
 SHIFT = -0.01
 ZERO = 1e-4
+MOST_PARTS = 40
 TOLERANCE = 1e-8
 # A flatter corner counts as this flat, in cotangents; a point has at least this share of the mean area.
 LARGEST_COTANGENT, LEAST_AREA = 100.0, 1e-4
@@ -25,13 +27,14 @@ def surface_eigenpairs(points: FloatArray, faces: IntArray, count: int) -> tuple
     """Return eigenvalues (k,) and functions (p, k) of L f = lambda M f on the surface scaled to area 1.
 
     L is the cotangent Laplacian, M the lumped mass; k is at most `count`: the constants are left out, one for each
-    connected part. The functions have norm 1 in M.
+    connected part. The functions have norm 1 in M. None are found in a model of very many parts.
     """
     areas = vertex_areas(points, faces)
     area = float(areas.sum())
     mass = np.maximum(areas / area, LEAST_AREA / len(points)) if area > 0.0 else np.full(len(points), 1.0)
-    count = min(count, len(points) - 3)
-    values, functions = smallest_eigenpairs(_cotangents(points, faces), mass, count + 1)
+    stiffness = _cotangents(points, faces)
+    constants = min(connected_components(stiffness, directed=False)[0], MOST_PARTS)
+    values, functions = smallest_eigenpairs(stiffness, mass, min(count + constants, len(points) - 2))
     proper = values > ZERO
     return values[proper][:count], functions[:, proper][:, :count]
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from meshmark.coding.keys import Key
+from meshmark.errors import CapacityError
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.schemes.rivals.codeword import order_of, votes
 from meshmark.schemes.rivals.host import Host
@@ -32,6 +33,10 @@ class Lsb(Rival):
     digits: int = 9
 
     def _placed(self, host: Host, code: Bits, key: Key, _budget: float) -> FloatArray:
+        if host.points.size < self._length:
+            raise CapacityError(
+                f"the model has {host.points.size} coordinates, expected at least {self._length}"
+            )
         unit = self._unit(host)
         whole = np.rint(host.points / unit).astype(np.int64)
         bits = code[self._order(host, key)]

@@ -25,8 +25,10 @@ __all__ = ["Regional"]
 
 # The regions of a marked model differ a little from those it was marked in. So often they are sought again, and
 # then so large a share of the budget is used, until the reader sees every bit.
-ROUNDS, SHARES = 4, (1.0, 0.6, 0.3)
+ROUNDS, SHARES = 3, (1.0, 0.6, 0.3)
 LARGEST, SMALLEST = 0.25, 1e-4
+# Points for each code bit, without which no region has enough in each bin.
+FEWEST = 6
 # The salient points are those of the model after a Gaussian of this width, in RMS distances from its centroid.
 SMOOTH = 0.06
 # Of a region's norms this share at either end is left out: a few points that change regions would move all bins.
@@ -66,6 +68,10 @@ class Regional(Rival):
         return regions(smooth, lengths, np.where(cluster < kept, cluster, -1))
 
     def _placed(self, host: Host, code: Bits, _key: Key, budget: float) -> FloatArray:
+        if len(host.points) < FEWEST * len(code):
+            raise CapacityError(
+                f"the model has {len(host.points)} points, {self.title} needs at least {FEWEST * len(code)}"
+            )
         region = self.regions(host)
         best, least_wrong = host.points, len(code) + 1
         for share in SHARES:
