@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import shlex
 import tomllib
@@ -18,12 +19,16 @@ from meshmark.benchmark.shapes import lopsided
 from meshmark.benchmark.suites import SUITES
 from meshmark.cli.main import main
 from meshmark.coding.keys import Key
+from meshmark.io import write_mesh
 from meshmark.schemes.scheme import Scheme
 from meshmark.schemes.table import ENTRY_POINTS
 from tests.benchmark.planted import planted_rows
 
-GUIDE = (Path(__file__).parents[2] / "docs" / "benchmark.md").read_text(encoding="utf-8")
-ROWS_EXAMPLE, SCHEME_EXAMPLE = re.findall(r"```python\n(.*?)```", GUIDE, re.DOTALL)
+DOCS = Path(__file__).parents[2] / "docs"
+GUIDE = (DOCS / "benchmark.md").read_text(encoding="utf-8")
+OWN = (DOCS / "your-scheme.md").read_text(encoding="utf-8")
+(ROWS_EXAMPLE,) = re.findall(r"```python\n(.*?)```", GUIDE, re.DOTALL)
+(SCHEME_EXAMPLE,) = re.findall(r"```python\n(.*?)```", OWN, re.DOTALL)
 
 
 @pytest.fixture(scope="module")
@@ -54,7 +59,7 @@ def test_the_example_of_a_scheme_keeps_its_promises(nudge):
 
 
 def test_the_example_package_registers_the_scheme_of_the_example():
-    (text,) = re.findall(r"```toml\n(.*?)```", GUIDE, re.DOTALL)
+    (text,) = re.findall(r"```toml\n(.*?)```", OWN, re.DOTALL)
     project = tomllib.loads(text)
     assert project["project"]["entry-points"] == {ENTRY_POINTS: {"nudge": "nudge:Nudge"}}
     assert project["tool"]["setuptools"]["py-modules"] == ["nudge"]
@@ -71,15 +76,33 @@ def test_the_example_on_rows_runs(tmp_path, monkeypatch, capsys):
     assert lines
 
 
-def test_the_commands_have_suites_and_options_that_exist(capsys):
+@pytest.mark.parametrize(("page", "count"), [(GUIDE, 4), (OWN, 2)], ids=["benchmark", "your-scheme"])
+def test_the_commands_have_suites_and_options_that_exist(page, count, capsys):
     main(["bench", "--help"])
     known = capsys.readouterr().out
-    commands = [shlex.split(line) for line in re.findall(r"^\$ (.*)$", GUIDE, re.MULTILINE)]
-    assert len(commands) == 3
-    for program, command, suite, *rest in commands:
-        assert (program, command) == ("meshmark", "bench")
+    lines = [shlex.split(line) for line in re.findall(r"^\$ (.*)$", page, re.MULTILINE)]
+    commands = [line for line in lines if line[0] == "meshmark"]
+    assert len(commands) == count
+    for _, command, suite, *rest in commands:
+        assert command == "bench"
         assert suite in SUITES
         assert all(word in known for word in rest if word.startswith("--"))
+
+
+def test_the_example_is_measured_from_its_file_alone(tmp_path, capsys):
+    (tmp_path / "models").mkdir()
+    write_mesh(lopsided(36), tmp_path / "models" / "pebble.ply")
+    (tmp_path / "nudge.py").write_text(SCHEME_EXAMPLE, encoding="utf-8")
+    options = ["--schemes", str(tmp_path / "nudge.py"), "--data", str(tmp_path / "models"), "--workers", "1"]
+    assert main(["bench", "smoke", *options, "--out", str(tmp_path / "out"), "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    lines = {(line["trial"], line["attack"]): line for line in told["summary"]}
+    assert not any(line["failed"] for line in lines.values())
+    assert lines["marked", "none"]["recovered"] == 1
+    for attack in ("similarity:1", "shuffle:1"):
+        assert lines["marked", attack]["recovered"] == 0, "as the page says"
+    (told_of,) = told["facts"]["schemes"].values()
+    assert re.fullmatch(r"Nudge \(docs/your-scheme\.md, file [0-9a-f]{8}\)", told_of)
 
 
 def test_the_guide_names_every_suite_trial_outcome_and_size_class():

@@ -74,13 +74,14 @@ def _summary(rows: Sequence[Row], split: str) -> Section:
     seeds = ", ".join(sorted({str(row.case.seed) for row in rows}))
     where = " of the test split" if split == "test" else ""
     words = (
-        f"{schemes} schemes, {models} models{where}, suite {suites}, seed {seeds}. All schemes carry their "
+        f"Schemes: {schemes}; models: {models}{where}; suite {suites}, seed {seeds}. All schemes carry their "
         "payload within the same budget of distortion: RMS vertex displacement of at most 0.08 % of the "
         "diagonal at strength standard, 0.02 % at subtle. An id counts as exact when the scheme says that "
         "a mark is there and every bit is right; a refused or failed model is a miss. Bit errors are of "
         "the models read: 50 % is guessing.",
         "“Informed” schemes are given the original. Schemes of others are our reconstructions wherever "
-        "their source leaves something open; the source of each says what.",
+        "their source leaves something open; the source of each says what. How to add yours: "
+        "docs/your-scheme.md.",
     )
     return Section("summary", "What is compared", words)
 
