@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -122,8 +124,7 @@ def planted(random):
 
 
 def test_training_learns_what_is_planted(monkeypatch):
-    monkeypatch.setattr(region_training, "STARTS", 1)
-    monkeypatch.setattr(region_training, "PASSES", 15)
+    monkeypatch.setattr(region_training, "RECIPE", replace(region_training.RECIPE, starts=1, passes=15))
     random = np.random.default_rng(2)
     models = {f"model {i}": [planted(random) for _ in range(6)] for i in range(5)}
     trained = train_classifier(models, 0)

@@ -10,10 +10,8 @@ from typing import Any, Final
 import numpy as np
 
 from meshmark.carriers.quantisation import log_likelihood_ratio
-from meshmark.errors import InputError
 from meshmark.mesh import FloatArray
-from meshmark.network.levenberg_marquardt import Trained, levenberg_marquardt
-from meshmark.network.losses import Objective, logistic
+from meshmark.network.fitting import Examples, Recipe, fitted, held_out
 from meshmark.network.perceptron import Perceptron
 from meshmark.schemes.ncdg_lv.demodulator import demodulate
 from meshmark.schemes.ncdg_lv.features import carrier_features
@@ -22,18 +20,10 @@ from meshmark.schemes.ncdg_lv.trials import Trial
 
 __all__ = ["TrainedDemodulator", "figures", "information", "raw_errors", "train_demodulator"]
 
-HIDDEN: Final = (8, 4)
-RIDGE: Final = 1e-4
-PASSES: Final = 40
-PATIENCE: Final = 6
-# Networks are started from so many random weights; the best on the validation models is kept.
-STARTS: Final = 2
+RECIPE: Final = Recipe(hidden=(8, 4), ridge=1e-4, passes=40, patience=6, starts=2)
 # Every so-manieth model is for validation.
 VALIDATION: Final = 3
 _LARGEST_SCALE = 64.0
-
-# Features (n, d), gains (n,) and targets (n,) of all carriers.
-_Table = tuple[FloatArray, FloatArray, FloatArray]
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,19 +39,14 @@ def train_demodulator(models: Mapping[str, Sequence[Trial]], seed: int) -> Train
 
     Raises `InputError` for fewer than two models.
     """
-    names = sorted(name for name in models if models[name])
-    held = names[::VALIDATION]
-    fitted = [name for name in names if name not in held]
-    if not fitted:
-        raise InputError(f"{len(names)} models could be marked and read, expected at least 2 to train on")
-    fit = [trial for name in fitted for trial in models[name]]
+    names, held = held_out(models, VALIDATION)
+    fit = [trial for name in names for trial in models[name]]
     validation = [trial for name in held for trial in models[name]]
     tables = _table(fit), _table(validation)
-    runs = [_run(tables, [seed, start]) for start in range(STARTS)]
-    found, network = min(runs, key=lambda run: run[0].watched)
+    found, network = fitted(*tables, RECIPE, seed)
     notes = {
         "seed": seed,
-        "models for fitting": fitted,
+        "models for fitting": names,
         "models for validation": held,
         "readings": [len(fit), len(validation)],
         "carriers": [len(table[0]) for table in tables],
@@ -69,19 +54,6 @@ def train_demodulator(models: Mapping[str, Sequence[Trial]], seed: int) -> Train
         "figures on validation models": figures(validation, network),
     }
     return TrainedDemodulator(network, notes)
-
-
-def _run(tables: tuple[_Table, _Table], seed: Sequence[int]) -> tuple[Trained, Perceptron]:
-    """Train on the first table from weights drawn with this seed, stopped by the second."""
-    drawn = Perceptron.drawn(tables[0][0], HIDDEN, np.random.default_rng(seed))
-    goal, watch = (
-        Objective(drawn, logistic, *table, np.ones(len(table[0])), ridge)
-        for table, ridge in zip(tables, (RIDGE, 0.0), strict=True)
-    )
-    found = levenberg_marquardt(
-        goal.loss, goal.expand, drawn.weights, watch=watch.loss, passes=PASSES, patience=PATIENCE
-    )
-    return found, drawn.with_weights(found.weights)
 
 
 def figures(trials: Sequence[Trial], network: Perceptron) -> dict[str, dict[str, float]]:
@@ -125,7 +97,7 @@ def information(soft: FloatArray, targets: FloatArray) -> float:
     return 1.0 - min(losses) / float(np.log(2.0))
 
 
-def _table(trials: Sequence[Trial]) -> _Table:
+def _table(trials: Sequence[Trial]) -> Examples:
     """Return the features (n, d), gains (n,) and targets (n,) of all carriers."""
     rows = []
     for trial in trials:

@@ -12,20 +12,14 @@ from scipy.stats import rankdata
 
 from meshmark.errors import InputError
 from meshmark.mesh import FloatArray
-from meshmark.network.levenberg_marquardt import Trained, levenberg_marquardt
-from meshmark.network.losses import Objective, logistic
+from meshmark.network.fitting import Examples, Recipe, fitted, held_out
 from meshmark.network.perceptron import Perceptron
 from meshmark.schemes.ncdg_lv.authentication.region_classifier import distortion
 from meshmark.schemes.ncdg_lv.authentication.region_trials import RegionTrial
 
 __all__ = ["TrainedClassifier", "area_under_curve", "region_scores", "train_classifier"]
 
-HIDDEN: Final = (8, 4)
-RIDGE: Final = 1e-4
-PASSES: Final = 80
-PATIENCE: Final = 10
-# Networks are started from so many random weights; the best on the validation models is kept.
-STARTS: Final = 4
+RECIPE: Final = Recipe(hidden=(8, 4), ridge=1e-4, passes=80, patience=10, starts=4)
 # Every so-manieth model is for validation.
 VALIDATION: Final = 4
 
@@ -43,19 +37,14 @@ def train_classifier(models: Mapping[str, Sequence[RegionTrial]], seed: int) -> 
 
     Raises `InputError` for fewer than two models.
     """
-    names = sorted(name for name in models if models[name])
-    held = names[::VALIDATION]
-    fitted = [name for name in names if name not in held]
-    if not fitted:
-        raise InputError(f"{len(names)} models could be marked and checked, expected at least 2 to train on")
-    fit = [trial for name in fitted for trial in models[name]]
+    names, held = held_out(models, VALIDATION)
+    fit = [trial for name in names for trial in models[name]]
     validation = [trial for name in held for trial in models[name]]
-    runs = [_run(_table(fit), _table(validation), [seed, start]) for start in range(STARTS)]
-    found, network = min(runs, key=lambda run: run[0].watched)
+    found, network = fitted(_table(fit), _table(validation), RECIPE, seed)
     rule, net, truth = region_scores(validation, network)
     notes = {
         "seed": seed,
-        "models for fitting": fitted,
+        "models for fitting": names,
         "models for validation": held,
         "edited models": [len(fit), len(validation)],
         "loss in nats": [round(found.loss, 5), round(found.watched, 5)],
@@ -83,23 +72,8 @@ def area_under_curve(scores: FloatArray, truth: NDArray[np.bool_]) -> float:
     return float((rankdata(scores)[truth].sum() - true * (true + 1) / 2.0) / (true * false))
 
 
-def _run(
-    fit: tuple[FloatArray, FloatArray], watched: tuple[FloatArray, FloatArray], seed: Sequence[int]
-) -> tuple[Trained, Perceptron]:
-    """Train on the first table from weights drawn with this seed, stopped by the second."""
-    drawn = Perceptron.drawn(fit[0], HIDDEN, np.random.default_rng(seed))
-    goal, watch = (
-        Objective(drawn, logistic, inputs, np.ones(len(inputs)), targets, np.ones(len(inputs)), ridge)
-        for (inputs, targets), ridge in ((fit, RIDGE), (watched, 0.0))
-    )
-    found = levenberg_marquardt(
-        goal.loss, goal.expand, drawn.weights, watch=watch.loss, passes=PASSES, patience=PATIENCE
-    )
-    return found, drawn.with_weights(found.weights)
-
-
-def _table(trials: Sequence[RegionTrial]) -> tuple[FloatArray, FloatArray]:
-    """Return the features (n, d) and targets (n,), +1 or -1, of all halves of regions."""
+def _table(trials: Sequence[RegionTrial]) -> Examples:
+    """Return the features (n, d), gains (n,) of one, and targets (n,) of all halves of regions."""
     inputs = np.concatenate([trial.features.reshape(-1, trial.features.shape[-1]) for trial in trials])
     truth = np.concatenate([trial.altered.ravel() for trial in trials])
-    return inputs, np.where(truth, 1.0, -1.0)
+    return inputs, np.ones(len(inputs)), np.where(truth, 1.0, -1.0)
