@@ -81,7 +81,9 @@ def test_regions_are_the_nearest_cluster_along_edges_and_through_space_elsewhere
     cluster[[0, 5]] = 0, 1
     assert regions(host, edge_lengths(host), cluster).tolist() == [0, 0, 0, 1, 1, 1] * 2
     points, faces = np.array(host.points), host.faces
-    apart = Host(Mesh(np.concatenate([points, points + np.array([30.0, 0, 0])]), np.concatenate([faces, faces + 12])))
+    apart = Host(
+        Mesh(np.concatenate([points, points + np.array([30.0, 0, 0])]), np.concatenate([faces, faces + 12]))
+    )
     cluster = np.append(cluster, np.full(12, -1))
     assert (regions(apart, edge_lengths(apart), cluster)[12:] == 1).all()
 

@@ -22,7 +22,7 @@ __all__ = ["Lsb"]
 class Lsb(Rival):
     """Coordinates are whole numbers of a decimal unit; the last bit of each carries a code bit, in a keyed order.
 
-    digits: decimals of the model's size, written as d.ddd... 10^e, that are kept. With 9 it is a change that only
+    digits: decimals of the model's size, written as d.ddd... 10^e, that are kept. With 12 it is a change that only
     double precision holds, far below the budget: more would be the quantisation of coordinates, not their last bit.
     """
 
@@ -30,7 +30,7 @@ class Lsb(Rival):
     source = "folklore"
     reconstruction = "the decimal unit, the keyed order and the majority over all coordinates are ours"
     pilots: int = 32
-    digits: int = 9
+    digits: int = 12
 
     def _placed(self, host: Host, code: Bits, key: Key, _budget: float) -> FloatArray:
         if host.points.size < self._length:
