@@ -42,7 +42,7 @@ def held_out(models: Mapping[str, Sequence[Any]], every: int) -> tuple[list[str]
     held = names[::every]
     fit = [name for name in names if name not in held]
     if not fit:
-        raise InputError(f"{len(names)} models have examples, expected at least 2 to train on")
+        raise InputError(f"{len(names)} models could be marked and read, expected at least 2 to train on")
     return fit, held
 
 
