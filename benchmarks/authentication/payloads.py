@@ -15,13 +15,11 @@ from meshmark.attacks.crop import without
 from meshmark.attacks.local_patch import draw_patch
 from meshmark.geometry.areas import vertex_areas
 from meshmark.geometry.weld import weld
-from meshmark.mesh import Mesh
+from meshmark.mesh import FloatArray, Mesh
 from meshmark.schemes.ncdg_lv.authentication.checks import check
 from meshmark.schemes.ncdg_lv.authentication.payload import capacity
 
 __all__ = ["measure"]
-
-CROPS = 2
 
 
 def measure(subject: Subject, _draws: int | None) -> Iterator[Row]:
@@ -39,9 +37,10 @@ def measure(subject: Subject, _draws: int | None) -> Iterator[Row]:
     content = mm.authenticate(full.mesh, KEY).content
     yield Row("image byte by byte", name, "", content is not None and content.content == image)
     yield Row("PSNR with both layers", name, "", full.psnr_db)
-    for _ in range(CROPS):
-        left = _connected(full.mesh, 0.6, rng)
-        yield Row("1 bit per point read from a connected 60 %", name, "", _reads(left, image))
+    areas = vertex_areas(subject.surface.points, subject.surface.faces)
+    for words, weights in (("surface", areas), ("points", np.ones(count))):
+        left = _connected(full.mesh, 0.6, weights, rng)
+        yield Row(f"1 bit per point read from a connected 60 % of the {words}", name, "", _reads(left, image))
     small = rng.bytes(count // 16)
     half = mm.embed(subject.mesh, KEY, id=4, layers="authentication", payload=small).mesh
     surface = weld(half)
@@ -62,12 +61,11 @@ def _image(size: int, rng: np.random.Generator) -> bytes:
         side -= 1
 
 
-def _connected(mesh: Mesh, share: float, rng: np.random.Generator) -> Mesh:
-    """Return what lies nearest to a random point along the surface, up to a share of the area."""
+def _connected(mesh: Mesh, share: float, weights: FloatArray, rng: np.random.Generator) -> Mesh:
+    """Return what lies nearest to a random point along the surface, up to a share of the points' weights (p,)."""
     patch = draw_patch(mesh, 0.9999, rng)
-    areas = vertex_areas(patch.welded.points, patch.welded.faces)
-    count = int(np.searchsorted(np.cumsum(areas[patch.members]), share * areas.sum()))
-    kept = np.zeros(len(areas), bool)
+    count = int(np.searchsorted(np.cumsum(weights[patch.members]), share * weights.sum()))
+    kept = np.zeros(len(weights), bool)
     kept[patch.members[:count]] = True
     return without(mesh, ~kept[patch.welded.point_of_vertex]).mesh
 

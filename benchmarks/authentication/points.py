@@ -100,7 +100,8 @@ def measure_forgeries(subject: Subject, draws: int | None) -> Iterator[Row]:
         "brush stroke": (partial(_stroke, bench), 4),
         "ring replayed from another place": (Replay(bench.surface, bench.surface, bench.marks), 3),
         "ring replayed from another model": (Replay(bench.surface, other, check(other, KEY).passed), 3),
-        "point moved, marks around guessed": (partial(_guessed, bench), 3),
+        "ring point moved, marks around guessed": (partial(_guessed, bench), 3),
+        "mark moved, its new place guessed": (partial(_mark_guessed, bench), 3),
     }
     for kind, (change, reach) in kinds.items():
         seen, accepted = bench.trials(change, (draws or TRIES) // len(kinds), subject.rng(kind), reach)
@@ -122,12 +123,21 @@ def _stroke(bench: _Bench, points: FloatArray, place: int, rng: np.random.Genera
 
 
 def _guessed(bench: _Bench, points: FloatArray, place: int, rng: np.random.Generator) -> bool:
-    """Move a point by three to ten steps, and try new places for all marks whose rings it is in."""
+    """Move a point of rings by three to ten steps, and try new places for all marks whose rings it is in."""
     near: IntArray = around(bench.graph, place, 1)
-    points[place] += rng.uniform(3.0, 10.0) * bench.step * _directions(1, rng)[0]
     marks = near[bench.marks[near]]
+    if bench.marks[place] or not len(marks):
+        return False
+    points[place] += rng.uniform(3.0, 10.0) * bench.step * _directions(1, rng)[0]
     points[marks] += rng.uniform(-4.0, 4.0, (len(marks), 3)) * bench.step
     return True
+
+
+def _mark_guessed(bench: _Bench, points: FloatArray, place: int, rng: np.random.Generator) -> bool:
+    """Move one mark by three to ten steps, in the hope that its place there says a word that holds."""
+    if bench.marks[place]:
+        points[place] += rng.uniform(3.0, 10.0) * bench.step * _directions(1, rng)[0]
+    return bool(bench.marks[place])
 
 
 def _directions(count: int, rng: np.random.Generator) -> FloatArray:
