@@ -18,6 +18,7 @@ MEASUREMENTS = (
     "metrics_validation",
     "marks",
     "recovery",
+    "authentication",
 )
 
 

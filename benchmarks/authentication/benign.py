@@ -25,6 +25,8 @@ def measure(subject: Subject, _draws: int | None) -> Iterator[Row]:
     for name, changed in [*benign_operations(mesh, subject.rng("benign")), *_attributes(mesh)]:
         found = mm.authenticate(changed, KEY)
         yield Row("authentic after a benign operation", subject.name, name, found.verdict == "authentic")
+    rounded = mm.authenticate(mm.ATTACKS["file_off"](mesh, 1, subject.rng("digits")), KEY)
+    yield Row("authentic after six significant digits", subject.name, "", rounded.verdict == "authentic")
 
 
 def _attributes(mesh: Mesh) -> Iterator[tuple[str, Mesh]]:

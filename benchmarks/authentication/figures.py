@@ -63,6 +63,7 @@ _COMBINED: dict[str, Callable[..., float]] = {"least": np.min, "most": np.max, "
 # fmt: off
 FIGURES = {
     "authentic after a benign operation": Bar(1, "rate", 1.0),
+    "authentic after six significant digits": Bar(1, "rate", 1.0),
     "PSNR of the layer alone": Bar(1, "least", 80.0, " dB"),
     "altered after a local edit": Bar(2, "rate", 1.0),
     "IoU at 0.5 %": Bar(2, "mean", 0.6),
