@@ -153,3 +153,12 @@ def test_inputs_stay_as_they_are():
     index, value = received(code, 200, 8)
     index.flags.writeable = value.flags.writeable = False
     assert decode(index, value, 8) == b"read-only"
+
+
+def test_symbols_that_come_often_count_once_and_their_wrong_copies_are_outvoted():
+    message = np.random.default_rng(1).bytes(capacity(2000, 10))
+    index, value = received(ErasureCode(message, 10), 2400, 5)
+    index, value = np.repeat(index, 3), np.repeat(value, 3)
+    value[:300:3] ^= 1  # one copy of three of each of the first hundred
+    order = np.random.default_rng(6).permutation(len(index))
+    assert decode(index[order], value[order], 10) == message

@@ -84,10 +84,11 @@ def capacity(symbols: int, symbol_bits: int) -> int:
 def decode(index: NDArray[np.uint32], value: Symbols, symbol_bits: int) -> bytes | None:
     """Return the message from symbols (k,) and their indices (k,) in any order, or None.
 
-    A per cent or two of the symbols may be wrong where there are some more than needed.
+    A per cent or two of the symbols may be wrong where there are some more than needed. Of an index that occurs
+    more than once the value that most give counts.
     """
     _check_bits(symbol_bits)
-    index, value = np.asarray(index, np.uint32), np.asarray(value, np.uint16)
+    index, value = _once(np.asarray(index, np.uint32), np.asarray(value, np.uint16))
     pilot = _is_pilot(index)
     data, held = index[~pilot], value[~pilot]
     for ladder in _likely_sizes(index[pilot], value[pilot], symbol_bits, len(data)):
@@ -96,6 +97,14 @@ def decode(index: NDArray[np.uint32], value: Symbols, symbol_bits: int) -> bytes
         if found is not None and (message := _opened(found, symbol_bits)) is not None:
             return message
     return None
+
+
+def _once(index: NDArray[np.uint32], value: Symbols) -> tuple[NDArray[np.uint32], Symbols]:
+    """Return each index once: repeated equations say nothing new, and wrong ones would be taken as often."""
+    pairs, times = np.unique(index.astype(np.uint64) << np.uint64(16) | value, return_counts=True)
+    pairs = pairs[np.argsort(-times, kind="stable")]
+    names, first = np.unique(pairs >> np.uint64(16), return_index=True)
+    return names.astype(np.uint32), pairs[first].astype(np.uint16)
 
 
 def _check_bits(symbol_bits: int) -> None:
