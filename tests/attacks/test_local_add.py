@@ -62,4 +62,4 @@ def test_any_unit_gives_the_same_piece():
 
 def test_a_model_without_area_is_refused():
     with pytest.raises(InputError, match="no area"):
-        added(0.5, Mesh(np.arange(12.0).reshape(4, 3), [[0, 1, 2], [1, 2, 3]]))
+        added(0.5, Mesh(np.arange(4.0)[:, None] * [1.0, 0.0, 0.0], [[0, 1, 2], [1, 2, 3]]))
