@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from meshmark.errors import CapacityError, InputError
+from meshmark.geometry.weld import weld
 from meshmark.mesh import Mesh
 from meshmark.schemes.ncdg_lv import authenticate, embed, extract
+from meshmark.schemes.ncdg_lv.authentication.checks import check
 from meshmark.schemes.ncdg_lv.parameters import BUDGETS
 from tests.keys import ID, KEY, OTHER
 from tests.shapes import pebble
@@ -173,3 +175,17 @@ class _Coarse:
     @staticmethod
     def conform(vertices):
         return np.round(vertices, 3)
+
+
+def test_a_payload_is_read_from_scattered_marks_though_the_map_believes_few(model):
+    rng = np.random.default_rng(4)
+    small = rng.bytes(len(model.vertices) // 16)
+    marked = embed(model, KEY, id=ID, layers="authentication", payload=small).mesh
+    marks = np.flatnonzero(check(weld(marked), KEY).passed)
+    moved = marked.vertices.copy()
+    lost = rng.choice(marks, int(0.6 * len(marks)), replace=False)
+    moved[lost] += 0.01 * rng.normal(size=(len(lost), 3))
+    found = authenticate(marked.with_vertices(moved), KEY)
+    assert found.verdict == "altered"
+    assert found.content is not None
+    assert found.content.content == small

@@ -38,6 +38,8 @@ class Checks:
     points that carry them. symbol_bits: of each. step: that of a ring of spread 1, in scene units, as far as the
     marks tell it, 0 where there are none. log10_chance: bound on the chance that so many marks hold without the
     key. torn: (p,) on a boundary now, though a mark next to it says that it was not. scale: of the marked model.
+    stray_index, stray_value: (s,) payload symbols of all marks that hold, also of those which the map does not
+    believe; more of them are wrong.
     """
 
     eligible: NDArray[np.bool_]
@@ -52,6 +54,8 @@ class Checks:
     log10_chance: float
     torn: NDArray[np.bool_]
     scale: Scale
+    stray_index: NDArray[np.uint32]
+    stray_value: NDArray[np.uint16]
 
 
 def check(surface: Welded, key: Key, nonce: int | None = None) -> Checks:
@@ -89,7 +93,8 @@ def check(surface: Welded, key: Key, nonce: int | None = None) -> Checks:
         faces, passed, pairs, able & ~_vouched(pairs, passed), evidence, int(swept.rounded)
     )
     pairs = pairs[passed[pairs[:, 0]]]
-    told = read.holds & (found.kind == PAYLOAD) & passed[found.vertex]
+    stray = read.holds & (found.kind == PAYLOAD)
+    told = stray & passed[found.vertex]
     told &= ~_outdone(pairs, found.vertex, np.where(read.holds, read.off, np.inf), len(points))[found.vertex]
     return Checks(
         able,
@@ -104,6 +109,8 @@ def check(surface: Welded, key: Key, nonce: int | None = None) -> Checks:
         chance_of(found, read.holds, layout),
         torn,
         scale,
+        found.index[stray],
+        read.symbol[stray].astype(np.uint16),
     )
 
 
@@ -162,4 +169,6 @@ def _nothing(count: int) -> Checks:
         0.0,
         no,
         Scale(),
+        np.empty(0, np.uint32),
+        np.empty(0, np.uint16),
     )

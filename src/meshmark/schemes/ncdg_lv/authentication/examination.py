@@ -112,10 +112,12 @@ def examine(mesh: Mesh, key: Key, reference: Certificate | Mesh | None = None) -
 
 
 def _payload(checks: Checks) -> Payload | None:
-    if not len(checks.index):
-        return None
-    packed = decode(checks.index, checks.value, checks.symbol_bits)
-    return None if packed is None else unpack(packed)
+    """Return what the believed marks carry, else what all that hold do: scattered ones prove each other so."""
+    for index, value in ((checks.index, checks.value), (checks.stray_index, checks.stray_value)):
+        packed = decode(index, value, checks.symbol_bits) if len(index) else None
+        if packed is not None:
+            return unpack(packed)
+    return None
 
 
 def told_by_marks(mesh: Mesh, key: Key) -> int | None:
