@@ -82,6 +82,9 @@ def test_the_tour_runs_and_prints_what_the_readme_shows(tmp_path, monkeypatch, c
     for line, shown in re.findall(r"^\$ meshmark (.*)\n((?:(?!\$).*\n)*)", tour, re.MULTILINE):
         assert main(shlex.split(line)) == ("extract hare" in line or "authenticate edited" in line)
         assert blurred(capsys.readouterr().out) == blurred(shown), line
+        if "keygen" in line:  # which regions a part lies in depends on the key
+            Path("my.key").unlink()
+            mm.Key(bytes(32)).save("my.key")
 
 
 def blurred(text: str) -> list[str]:
