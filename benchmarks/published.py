@@ -16,7 +16,7 @@ from collections import defaultdict
 import numpy as np
 
 from benchmarks.models import load, model_paths
-from meshmark.attacks import ATTACKS
+from meshmark.attacks import parse_chain
 from meshmark.benchmark.labels import label
 from meshmark.coding.keys import Key
 from meshmark.errors import MeshmarkError
@@ -70,11 +70,9 @@ def main() -> int:
             except MeshmarkError:
                 marked = None
             for case in PUBLISHED:
-                name, strength = case.split(":")
                 error = LOST
                 if marked is not None:
-                    suspect = ATTACKS[name](marked, float(strength), rng)
-                    read = scheme.extract(suspect, key)
+                    read = scheme.extract(parse_chain(case)(marked, rng), key)
                     error = float(np.mean(read.bits != bits)) if read.present else LOST
                 errors[case, budget].append(error)
                 print(f"{path.name:36s} {budget:9s} {case:16s} {error:.3f}", file=sys.stderr, flush=True)

@@ -17,6 +17,7 @@ from collections.abc import Callable
 import numpy as np
 
 from benchmarks.models import DATA, load
+from benchmarks.published import PUBLISHED as BOTH
 from meshmark.attacks.chain import parse_chain
 from meshmark.coding.keys import Key
 from meshmark.mesh import Mesh
@@ -30,25 +31,7 @@ from meshmark.schemes.rivals.rival import Rival
 MODELS = ("hand_50085", "feline_49864")
 KEYS = [Key(bytes([number]) * 32) for number in range(2)]
 PUBLISHED_MRMS = 8e-5
-PUBLISHED = {
-    "none": 0.0,
-    "noise:0.0005": 0.01,
-    "noise:0.001": 0.03,
-    "noise:0.003": 0.13,
-    "noise:0.005": 0.28,
-    "smoothing:5": 0.10,
-    "smoothing:10": 0.23,
-    "smoothing:30": 0.38,
-    "smoothing:50": 0.45,
-    "quantisation:11": 0.0,
-    "quantisation:10": 0.04,
-    "quantisation:9": 0.14,
-    "quantisation:8": 0.26,
-    "quantisation:7": 0.46,
-    "midpoint:1": 0.04,
-    "sqrt3:1": 0.14,
-    "loop:1": 0.16,
-}
+PUBLISHED = {"none": 0.0, **{chain: cho for chain, (cho, _) in BOTH.items()}}
 BARS: dict[str, tuple[float, float]] = {
     "none": (0.0, 0.0),
     "noise:0.005": (0.1, 0.4),

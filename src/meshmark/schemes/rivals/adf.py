@@ -27,12 +27,8 @@ class Adf(Regional):
     reconstruction = (
         "parameters are ours: t, number of functions and regions, norms about a region's centroid, vote"
     )
-    pilots: int = 16
     pairs: int = 20
     time: float = 0.3
-    rings: int = 2
-    least: int = 2
-    most: int = 5
     apart: float = 0.2
 
     def total(self, votes: FloatArray) -> float:

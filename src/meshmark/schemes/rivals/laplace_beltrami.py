@@ -24,12 +24,6 @@ class LaplaceBeltrami(Regional):
     reconstruction = (
         "all but the idea is ours: number of functions and regions, norms about a region's centroid, vote"
     )
-    pilots: int = 16
-    pairs: int = 10
-    rings: int = 2
-    least: int = 2
-    most: int = 5
-    apart: float = 0.1
 
     def votes(self, host: Host) -> FloatArray:
         """See `Regional.votes`."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -35,16 +36,20 @@ SMOOTH = 0.06
 TRIM = 0.02
 
 
+@dataclass(frozen=True)
 class Regional(Rival):
     """Cho's mean in each geodesic Voronoi region of the salient points that a detector finds.
 
-    least, most: regions, where the model has so many salient points; apart: salient points within this distance,
-    in roots of the area, are one.
+    pairs: eigenfunctions that the detector looks at, within so many rings of a point; least, most: regions, where
+    the model has so many salient points; apart: salient points within this distance, in roots of the area, are one.
     """
 
-    least: int
-    most: int
-    apart: float
+    pilots: int = 16
+    pairs: int = 10
+    rings: int = 2
+    least: int = 2
+    most: int = 5
+    apart: float = 0.1
 
     def total(self, votes: FloatArray) -> float:
         """Return how salient a cluster of points with these votes (n,) is."""
