@@ -85,7 +85,7 @@ def test_what_is_no_certificate_is_refused(name, tmp_path):
 
 
 CHANGES = {
-    "version": (("version",), 2, "its version is 2, expected 1"),
+    "version": (("version",), 3, "its version is 3, expected 2"),
     "strength": (("strength",), "huge", "'strength' is 'huge', expected one of subtle"),
     "spacing": (("spacing",), -1.0, "'spacing' is out of range, expected"),
     "step": (("step",), True, "'step' is missing or no number"),
@@ -97,7 +97,7 @@ CHANGES = {
     "axes": (("frame", "axes"), [[1, 0, 0], [0, 1, 0], [0, 0, -1]], "'axes' is not a rotation"),
     "centre": (("frame", "centre"), [1, 2], "'centre' is missing, or not 3 finite numbers"),
     "no name": (("strength",), ["subtle"], "'strength' is"),
-    "true": (("version",), True, "its version is True, expected 1"),
+    "true": (("version",), True, "its version is True, expected 2"),
     "large": (("faces",), 10**400, "'faces' is out of range"),
     "large scale": (("frame", "scale"), 10**400, "'scale' is out of range"),
     "big": (("frame", "centre"), [1, 2, 10**400], "'centre' is missing, or not 3 finite numbers"),
@@ -114,6 +114,15 @@ def test_a_field_that_is_wrong_is_named(name, values, tmp_path):
     (tmp_path / "bad").write_text(json.dumps(values))
     with pytest.raises(InputError, match=f"bad is not a meshmark certificate: {message}"):
         Certificate.load(tmp_path / "bad")
+
+
+def test_an_older_version_is_refused_in_one_sentence(values, tmp_path):
+    (tmp_path / "old").write_text(json.dumps({**values, "version": 1}))
+    with pytest.raises(
+        InputError, match="old is a certificate of version 1, expected 2: older ones are not"
+    ) as told:
+        Certificate.load(tmp_path / "old")
+    assert "is not a meshmark certificate" not in str(told.value)
 
 
 @pytest.mark.parametrize("array", ARRAYS)

@@ -1,10 +1,12 @@
 from __future__ import annotations
 
 import base64
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from meshmark.coding.keys import Key
@@ -12,7 +14,7 @@ from meshmark.errors import InputError
 from meshmark.geometry.areas import vertex_normals
 from meshmark.mesh import Mesh
 from meshmark.schemes.ncdg_lv.certificate import Certificate, certify
-from meshmark.schemes.ncdg_lv.undo import FIELD, unmark, with_undo
+from meshmark.schemes.ncdg_lv.undo import FIELD, sealed, unmark, with_undo
 from tests.keys import KEY
 from tests.shapes import pebble
 
@@ -34,7 +36,7 @@ def models() -> tuple[Mesh, Mesh, Certificate]:
     rng = np.random.default_rng(1)
     jitter = 1e-4 * rng.normal(size=points.shape) * (rng.random((len(points), 1)) < 0.25)
     marked = Mesh((points + wave + jitter).astype(np.float32).astype(float), faces)
-    return original, marked, with_undo(certify(marked, 0.2, 0.05, "standard"), original, marked, KEY)
+    return original, marked, sealed(certify(marked, 0.2, 0.05, "standard"), original, marked, KEY, 7)
 
 
 def test_the_original_comes_back(models):
@@ -45,6 +47,40 @@ def test_the_original_comes_back(models):
     assert found.exact
     rms = np.sqrt(((marked.vertices - original.vertices) ** 2).sum(axis=1).mean()) / diagonal(marked)
     assert found.rms_over_diagonal == pytest.approx(rms, rel=1e-3)
+
+
+@dataclass(frozen=True)
+class Rounding:
+    """A file that keeps positions as single floats, or on a grid."""
+
+    grid: float | None
+
+    def conform(self, vertices: np.ndarray) -> np.ndarray:
+        if self.grid is None:
+            return vertices.astype(np.float32).astype(float)
+        return np.round(vertices / self.grid) * self.grid
+
+
+@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(
+    scale=st.floats(-12, 12).map(lambda power: 10.0**power),
+    away=st.floats(0.0, 40.0),
+    digits=st.sampled_from([None, 4, 5, 6, 8]),
+    seed=st.integers(0, 9),
+)
+def test_the_bound_that_is_told_holds_at_every_scale_and_precision(scale, away, digits, seed):
+    points, faces = pebble(16)
+    rng = np.random.default_rng(seed)
+    file = Rounding(None if digits is None else scale * 10.0**-digits)
+    original = Mesh(file.conform(scale * (points + away)), faces)
+    moves = 1e-3 * scale * rng.normal(size=points.shape)
+    marked = Mesh(file.conform(original.vertices + moves), faces, document=file)
+    certificate = sealed(certify(marked, 0.2, 0.05, "standard"), original, marked, KEY, 7)
+    found = unmark(marked, KEY, certificate)
+    assert found.exact
+    assert off(original, found.mesh.vertices) <= found.within_over_diagonal
+    if digits == 8:
+        assert found.within_over_diagonal < 2.3e-7
 
 
 def test_a_turned_scaled_and_moved_copy_in_single_precision_is_unmarked(models):
@@ -85,7 +121,7 @@ def test_damage_is_seen(models, place):
     content[place] ^= 1
     value = {"version": 1, "data": base64.b64encode(content).decode()}
     with pytest.raises(InputError, match="was changed"):
-        unmark(marked, KEY, replace(certificate, more={FIELD: value}))
+        unmark(marked, KEY, replace(certificate, more={**certificate.more, FIELD: value}))
 
 
 @pytest.mark.parametrize(
@@ -99,8 +135,18 @@ def test_damage_is_seen(models, place):
 )
 def test_other_fields_are_refused(models, value, text):
     _, marked, certificate = models
+    rest = {name: kept for name, kept in certificate.more.items() if name != FIELD}
     with pytest.raises(InputError, match=text):
-        unmark(marked, KEY, replace(certificate, more={} if value is None else {FIELD: value}))
+        unmark(marked, KEY, replace(certificate, more=rest if value is None else {**rest, FIELD: value}))
+
+
+def test_a_certificate_that_is_not_bound_or_whose_frame_was_changed_is_refused(models):
+    _, marked, certificate = models
+    with pytest.raises(InputError, match="not bound to any key"):
+        unmark(marked, KEY, replace(certificate, more={FIELD: certificate.more[FIELD]}))
+    turned = replace(certificate.frame, axes=certificate.frame.axes[:, [1, 2, 0]])
+    with pytest.raises(InputError, match="was changed"):
+        unmark(marked, KEY, replace(certificate, frame=turned))
 
 
 def test_other_faces_are_refused(models):

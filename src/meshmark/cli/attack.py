@@ -10,7 +10,7 @@ import typer
 
 from meshmark.cli.options import AsJson
 from meshmark.cli.output import answer, plural, say
-from meshmark.cli.paths import check_output
+from meshmark.cli.paths import check_output, naming
 from meshmark.cli.progress import progress
 from meshmark.errors import InputError
 
@@ -120,7 +120,7 @@ def _attacked(
     start = perf_counter()
     mesh = read_mesh(model)
     copies = tuple(read_mesh(other) for other in others)
-    with progress("attacking"):
+    with progress("attacking"), naming(model, *others):
         result = chain.apply(mesh, np.random.default_rng(seed), Given(copies, next(iter(copies), None)))
         report = write_mesh(result.mesh, out, default=mesh.document.format if mesh.document else None)
     lost = _lost(mesh) if result.mesh.document is None else report.dropped

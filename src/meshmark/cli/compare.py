@@ -10,6 +10,7 @@ import typer
 
 from meshmark.cli.options import AsJson
 from meshmark.cli.output import answer, percent
+from meshmark.cli.paths import naming
 
 if TYPE_CHECKING:
     from meshmark.metrics import Comparison
@@ -34,7 +35,8 @@ def compare(
     from meshmark.metrics import compare as measure
 
     first, second = read_mesh(a), read_mesh(b)
-    result = measure(first, second)
+    with naming(a, b):
+        result = measure(first, second)
     counts = len(first.vertices), len(second.vertices)
     answer(_words(result, counts), result.to_dict(), as_json)
     return 0

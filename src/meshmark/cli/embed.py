@@ -9,7 +9,7 @@ import typer
 
 from meshmark.cli.options import AsJson, KeyFile, Layers, ModelIn, ModelOut, Strength, Tolerance
 from meshmark.cli.output import answer, percent, plural, say
-from meshmark.cli.paths import check_output
+from meshmark.cli.paths import check_output, naming
 from meshmark.cli.progress import progress
 from meshmark.errors import InputError
 
@@ -83,7 +83,7 @@ def embed(
     secret = Key.load(key)
     wanted = None if layers is None else layers.value
     coarse = None if tolerance is None else tolerance.value
-    with progress("marking"):
+    with progress("marking"), naming(model):
         result = embed_file(model, out, secret, number, strength.value, wanted, carried, coarse)
         if certificate is not None:
             result.certificate.save(certificate)

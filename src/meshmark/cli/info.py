@@ -6,6 +6,7 @@ from typing import Any
 
 from meshmark.cli.options import AsJson, ModelIn
 from meshmark.cli.output import answer
+from meshmark.cli.paths import naming
 
 __all__ = ["info"]
 
@@ -20,7 +21,8 @@ def info(model: ModelIn, as_json: AsJson = False) -> int:
 
     mesh = read_mesh(model)
     held = {} if mesh.document is None else {"format": mesh.document.format, **mesh.document.summary()}
-    fields = {**held, **describe(mesh).to_dict()}
+    with naming(model):
+        fields = {**held, **describe(mesh).to_dict()}
     width = max(map(len, fields)) + 2
     rows = (f"{name.replace('_', ' '):<{width}}{_shown(value)}" for name, value in fields.items())
     answer("\n".join(rows), fields, as_json)

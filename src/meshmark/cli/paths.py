@@ -13,15 +13,15 @@ __all__ = ["check_output", "make_folder", "naming"]
 
 
 @contextmanager
-def naming(path: Path) -> Iterator[None]:
-    """Name the file in errors about what it holds."""
+def naming(*paths: Path) -> Iterator[None]:
+    """Name the files in errors about what they hold, unless one of them is named there."""
     try:
         yield
     except (InputError, CapacityError) as error:
-        if path.name in str(error):
+        if any(path.name in str(error) for path in paths):
             raise
         kind = CapacityError if isinstance(error, CapacityError) else InputError
-        raise kind(f"{path.name}: {error}") from None
+        raise kind(f"{', '.join(path.name for path in paths)}: {error}") from None
 
 
 def check_output(path: Path, inputs: Iterable[Path], suffix: str | None = None) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from meshmark.cli.options import AsJson, ModelIn, Picture
 from meshmark.cli.output import answer, plural
-from meshmark.cli.paths import check_output
+from meshmark.cli.paths import check_output, naming
 from meshmark.cli.progress import progress
 
 __all__ = ["saliency"]
@@ -21,7 +21,7 @@ def saliency(model: ModelIn, picture: Picture = None, as_json: AsJson = False) -
     if picture is not None:
         check_output(picture, [model], ".png")
     mesh = read_mesh(model)
-    with progress("looking at the surface"):
+    with progress("looking at the surface"), naming(model):
         result = analyse(mesh)
     if picture is not None:
         from meshmark.report.saliency import saliency_picture

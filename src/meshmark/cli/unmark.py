@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import ceil, floor, log10
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING
@@ -17,10 +18,6 @@ if TYPE_CHECKING:
     from meshmark.mesh import Mesh
 
 __all__ = ["unmark"]
-
-WITHIN = 2.2e-7
-"""How far, over the diagonal, a vertex of what comes back is off: half the step of the certificate on each axis."""
-_EXACT = f"the original within {WITHIN:.1e} of the diagonal"
 
 
 def unmark(
@@ -45,7 +42,8 @@ def unmark(
     mesh = read_mesh(model)
     with progress("taking the mark off"), naming(model):
         found = take_off(mesh, secret, kept)
-        whole = _EXACT if found.exact else _told(model, mesh, secret)
+        near = f"the original within {_up(found.within_over_diagonal)} of the diagonal"
+        whole = near if found.exact else _told(model, mesh, secret, near)
     report = write_mesh(found.mesh, out)
     if report.dropped:
         say(f"meshmark: {out.name} cannot hold the model's {', '.join(report.dropped)}")
@@ -54,7 +52,7 @@ def unmark(
     )
     fields = {
         "exact": found.exact,
-        "within_over_diagonal": WITHIN,
+        "within_over_diagonal": found.within_over_diagonal,
         "rms_over_diagonal": found.rms_over_diagonal,
         "seconds": perf_counter() - start,
     }
@@ -62,7 +60,13 @@ def unmark(
     return 0
 
 
-def _told(path: Path, mesh: Mesh, key: Key) -> str:
+def _up(value: float) -> str:
+    """Return two digits of a bound that is above 0, rounded up: 2.21e-7 is "2.3e-07"."""
+    unit = 10.0 ** (floor(log10(value)) - 1)
+    return f"{ceil(value / unit) * unit:.1e}"
+
+
+def _told(path: Path, mesh: Mesh, key: Key, near: str) -> str:
     """Say what a model is that is not quite the marked one; raises `InputError` where no mark is there."""
     from meshmark.schemes.ncdg_lv.authentication.examination import examine
 
@@ -70,5 +74,5 @@ def _told(path: Path, mesh: Mesh, key: Key) -> str:
     if found.id is None:
         raise InputError(f"{path.name} carries no mark of this key, so there is none to take off")
     if found.marked and not found.altered.any():
-        return f"{_EXACT} and this copy's rounding, as it lies"
+        return f"{near} and this copy's rounding, as it lies"
     return "but the model was changed since it was marked"

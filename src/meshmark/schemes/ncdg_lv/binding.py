@@ -30,13 +30,10 @@ def bound(certificate: Certificate, key: Key, identity: int) -> Certificate:
 
 
 def stranger(certificate: Certificate, key: Key, identity: int | None) -> str | None:
-    """Return a sentence where a certificate is not that of the mark with this id (None: of any of this key).
-
-    Certificates without a binding pass.
-    """
+    """Return a sentence where a certificate is not that of the mark with this id (None: of any of this key)."""
     value = certificate.more.get(FIELD)
     if not isinstance(value, dict):
-        return None
+        return "The certificate is not bound to any key, as those are that are made with a mark."
     if not _agrees(value.get("key"), _digest(certificate, key, b"")):
         return "The certificate was made with another key, or was changed."
     if identity is not None and not _agrees(value.get("mark"), _digest(certificate, key, _bytes(identity))):

@@ -3,7 +3,7 @@
 It holds landmarks (centres of smooth windows of the surface, with normals and descriptors), the canonical frame and
 the lattice's parameters: neither the surface nor anything of the key. The file is one JSON object:
 
-    format "meshmark certificate", version 1
+    format "meshmark certificate", version 2; other versions are refused
     vertices, faces      counts of the marked model
     spacing, step        of the lattice, in canonical units and in spacings; strength subtle, standard or strong
     frame                of the marked model: centre, scale, axes (columns), moments, area, skewness
@@ -41,7 +41,7 @@ from meshmark.schemes.ncdg_lv.parameters import BUDGETS
 __all__ = ["LANDMARKS", "Certificate", "certify"]
 
 LANDMARKS = 400
-FORMAT, VERSION = "meshmark certificate", 1
+FORMAT, VERSION = "meshmark certificate", 2
 # A certificate has below 100 kB, and about 5 bytes of undo data per vertex; what is far larger is not read.
 LONGEST = 200_000_000
 MOST_LANDMARKS = 20_000
@@ -105,8 +105,14 @@ class Certificate:
             raise InputError(f"{name} is not a meshmark certificate: it is longer than {LONGEST} bytes")
         try:
             return _parse(content)
+        except _OldVersionError as error:
+            raise InputError(f"{name} {error}") from None
         except InputError as error:
             raise InputError(f"{name} is not a meshmark certificate: {error}") from None
+
+
+class _OldVersionError(InputError):
+    """A certificate of an earlier meshmark."""
 
 
 def certify(mesh: Mesh, spacing: float, step: float, strength: str) -> Certificate:
@@ -175,8 +181,14 @@ def _parse(content: bytes) -> Certificate:
         raise InputError("it is not JSON") from None
     if not isinstance(values, dict) or values.get("format") != FORMAT:
         raise InputError(f"expected a JSON object with the format '{FORMAT}'")
-    if type(values.get("version")) is not int or values["version"] != VERSION:
-        raise InputError(f"its version is {values.get('version')!r}, expected {VERSION}")
+    version = values.get("version")
+    if type(version) is int and 0 < version < VERSION:
+        raise _OldVersionError(
+            f"is a certificate of version {version}, expected {VERSION}: older ones are not bound to key and "
+            "id, and no longer read; go without it, or mark the model anew"
+        )
+    if type(version) is not int or version != VERSION:
+        raise InputError(f"its version is {version!r}, expected {VERSION}")
     strength = values.get("strength")
     if not isinstance(strength, str) or strength not in BUDGETS:
         raise InputError(f"'strength' is {strength!r}, expected one of {', '.join(BUDGETS)}")

@@ -29,7 +29,7 @@ from meshmark.geometry.frame import Frame, canonical_frame, frame_alternatives
 from meshmark.geometry.weld import weld
 from meshmark.io.save import conform
 from meshmark.mesh import FloatArray, IntArray, Mesh
-from meshmark.schemes.ncdg_lv.binding import bound
+from meshmark.schemes.ncdg_lv.binding import bound, stranger
 from meshmark.schemes.ncdg_lv.certificate import Certificate
 
 __all__ = ["FIELD", "STEP", "Unmarked", "sealed", "unmark", "with_undo"]
@@ -52,11 +52,14 @@ class Unmarked:
     """A model without its mark.
 
     mesh: positions as its file can hold them; exact: the marked model was as it was signed off, so this is the
-    original; rms_over_diagonal: of what was taken off.
+    original, of which no vertex is farther off than within_over_diagonal (of the original's diagonal; a bound, from
+    the step that displacements are kept with and from what this file rounded). rms_over_diagonal: of what was taken
+    off.
     """
 
     mesh: Mesh
     exact: bool
+    within_over_diagonal: float
     rms_over_diagonal: float
 
 
@@ -94,7 +97,10 @@ def unmark(mesh: Mesh, key: Key, certificate: Certificate) -> Unmarked:
 
     Raises `InputError` where the certificate has no undo data, was changed, or belongs to another key or model.
     """
-    plain = _opened(_data(certificate), key)
+    data, remark = _data(certificate), stranger(certificate, key, None)
+    if remark is not None:
+        raise InputError(f"{remark[:1].lower()}{remark[1:].rstrip('.')}")
+    plain = _opened(data, key)
     start = 8 + 2 * DIGEST_BYTES
     step = float(np.frombuffer(plain[:8], "<f8")[0])
     faces, positions = plain[8 : 8 + DIGEST_BYTES], plain[8 + DIGEST_BYTES : start]
@@ -109,7 +115,20 @@ def unmark(mesh: Mesh, key: Key, certificate: Certificate) -> Unmarked:
     vertices = np.where(moved[:, None], mesh.vertices + shift, mesh.vertices)
     result = mesh.with_vertices(conform(mesh, vertices))
     rms = float(np.sqrt(np.einsum("ij,ij->", shift, shift) / max(len(shift), 1)))
-    return Unmarked(result, positions == _digest(mesh.vertices), rms / _diagonal(mesh))
+    within = _bound(result, vertices, step * frame.scale)
+    return Unmarked(result, positions == _digest(mesh.vertices), within, rms / _diagonal(mesh))
+
+
+def _bound(result: Mesh, vertices: FloatArray, step: float) -> float:
+    """Return how far off the original, over its diagonal, a vertex of `result`, rounded from `vertices`, may be.
+
+    Half a step (scene units) on each axis, the file's rounding, and that of the sums here; the original's diagonal
+    is shorter than the result's by twice as much at most.
+    """
+    rounded = float(np.sqrt(((result.vertices - vertices) ** 2).sum(axis=1).max(initial=0.0)))
+    sums = 16.0 * float(np.finfo(float).eps) * float(np.abs(vertices).max(initial=0.0))
+    off = np.sqrt(3.0) / 2.0 * step + rounded + sums
+    return float(off / (_diagonal(result) - 2.0 * off))
 
 
 def _diagonal(mesh: Mesh) -> float:
