@@ -40,3 +40,20 @@ def pebble(across: int = 72) -> tuple[FloatArray, IntArray]:
     x, y, z = unit.T
     radius = 1.0 + 0.25 * x + 0.15 * x * y + 0.2 * z**3 + 0.08 * np.sin(4 * y) * x + 0.05 * np.cos(5 * z + x)
     return unit * radius[:, None] * [1.6, 1.2, 1.0], faces
+
+
+def hoop(long: int = 2500, around: int = 6, thin: float = 0.0015) -> tuple[FloatArray, IntArray]:
+    """A closed wavy tube, very thin: even rings that are a thousandth of the whole; long * around points."""
+    along, about = np.meshgrid(
+        2 * np.pi * np.arange(long) / long, 2 * np.pi * np.arange(around) / around, indexing="ij"
+    )
+    radius = thin * (1.0 + 0.2 * np.sin(7 * along + about) + 0.1 * np.cos(23 * along))
+    out = 1.0 + 0.1 * np.sin(3 * along) + radius * np.cos(about)
+    height = radius * np.sin(about) + 0.2 * np.sin(2 * along)
+    points = np.stack([out * np.cos(along), 0.8 * out * np.sin(along), height], axis=-1).reshape(-1, 3)
+    points += 0.03 * thin * np.random.default_rng(0).normal(size=points.shape)
+    here = np.arange(long * around).reshape(long, around)
+    right, up = np.roll(here, -1, axis=0), np.roll(here, -1, axis=1)
+    corner = np.roll(right, -1, axis=1)
+    sides = [np.stack([here, right, up], -1), np.stack([right, corner, up], -1)]
+    return points, np.concatenate([side.reshape(-1, 3) for side in sides])

@@ -10,15 +10,18 @@ from numpy.typing import NDArray
 
 from meshmark.attacks import ATTACKS
 from meshmark.attacks.attack import Given
+from meshmark.carriers.rings import ordered_rings
+from meshmark.carriers.rings_shape import ring_shapes
 from meshmark.coding.keys import Key
 from meshmark.errors import CapacityError, InputError
 from meshmark.geometry.weld import weld
 from meshmark.mesh import Mesh
+from meshmark.schemes.ncdg_lv.authentication.candidates import level_of, room
 from meshmark.schemes.ncdg_lv.authentication.checks import Checks, check
 from meshmark.schemes.ncdg_lv.authentication.localisation import altered_points
 from meshmark.schemes.ncdg_lv.authentication.marks import Marked, mark, plan
 from meshmark.schemes.ncdg_lv.authentication.precision import precision_of
-from tests.shapes import pebble
+from tests.shapes import hoop, pebble
 
 KEY, OTHER = Key(bytes(range(32))), Key(bytes(range(1, 33)))
 ID = 0x0123456789ABCDEF
@@ -208,6 +211,31 @@ def test_what_cannot_be_marked_is_refused() -> None:
         plan(weld(Mesh(*pebble(16))), KEY, 1e-7)
     with pytest.raises(CapacityError, match="faces"):
         plan(weld(Mesh(ORIGINAL.vertices, np.empty((0, 3), np.int64))), KEY, 1e-6)
+
+
+def test_words_have_as_many_bits_as_most_rings_have_room_for() -> None:
+    mesh = Mesh(*hoop())
+    surface, precision = weld(mesh), precision_of(mesh)
+    chosen = plan(surface, KEY, precision)
+    assert chosen.covered > 0.95
+    assert len(chosen.marks) > 0.25 * len(mesh.vertices)
+    done = mark(surface, KEY, ID, _symbols, precision)
+    marked = Mesh(done.points.astype(np.float32).astype(np.float64), mesh.faces)
+    found = _check(marked)
+    assert found.nonce == ID
+    assert not altered_points(weld(marked), found).any()
+    assert found.verified.mean() > 0.95
+
+
+def test_the_even_rings_of_a_subdivided_surface_carry_coarse_marks() -> None:
+    mesh = ATTACKS["loop"].apply(Mesh(*pebble(40)), 2, np.random.default_rng(0), Given()).mesh
+    for group in ordered_rings(mesh.faces, len(mesh.vertices)):
+        shapes = ring_shapes(mesh.vertices, group)
+        coarse = float(np.median(shapes.size / shapes.spread)) / 2.0**5  # level 10
+        even = (shapes.spread < 3.2) & (np.abs(level_of(shapes, coarse) - 10.0) < 1.0)
+        if group.around.shape[1] == 6:
+            assert even.sum() > 2000
+            assert (room(shapes, coarse)[even] > 0.0).mean() > 0.8
 
 
 def test_a_surface_without_faces_has_no_marks() -> None:

@@ -33,6 +33,8 @@ from meshmark.schemes.ncdg_lv.undo import sealed
 __all__ = ["LAYERS", "embed", "still_authentic"]
 
 LAYERS = ("both", "ownership", "authentication")
+# Marks for a coarser precision are taken where they cover so much of the points, or of what the finer ones do.
+_COVERED = 0.9
 # Room for the upper layer is measured on a surface that then changes a little.
 _MORE = 1.1
 
@@ -212,18 +214,24 @@ def _marked(below: Embedding, original: Mesh, key: Key, content: Asked, toleranc
 
 
 def _planned(mesh: Mesh, surface: Welded, key: Key, tolerance: str | None) -> tuple[Plan, Precision]:
-    """Return the marks for the coarsest precision that leaves room for what it must."""
-    choices = precisions_of(mesh, tolerance)
-    for precision in choices:
+    """Return the marks for the coarsest precision that leaves room for what it must, and that they can cover."""
+    tried: list[tuple[Plan, Precision]] = []
+    refusal: CapacityError | None = None
+    for precision in precisions_of(mesh, tolerance):
         try:
             planned = plan(surface, key, precision.error)
-        except CapacityError:
-            if precision is choices[-1]:
-                raise
+        except CapacityError as error:
+            refusal = error
             continue
-        if 8 * capacity(planned.payload_marks, planned.symbol_bits) >= precision.enough * len(surface.points):
+        if 8 * capacity(planned.payload_marks, planned.symbol_bits) < precision.enough * len(surface.points):
+            continue
+        tried.append((planned, precision))
+        if planned.covered >= _COVERED:
             break
-    return planned, precision
+    if not tried:
+        raise refusal or CapacityError("no marks of authentication fit, expected more room for payload")
+    most = max(planned.covered for planned, _ in tried)
+    return next(pair for pair in tried if pair[0].covered >= _COVERED * most)
 
 
 def _read_back(mesh: Mesh, key: Key, identity: int, packed: bytes) -> None:

@@ -21,6 +21,7 @@ from meshmark.mesh import FloatArray, IntArray
 from meshmark.schemes.ncdg_lv.authentication.parameters import (
     ALTERNATIVES,
     AMBIGUOUS,
+    HASH_LEAST,
     HASH_STEP,
     HASH_STEPS,
     LEVELS,
@@ -39,6 +40,7 @@ __all__ = [
     "eligible",
     "joined",
     "level_of",
+    "room",
     "step_of",
 ]
 
@@ -114,16 +116,20 @@ def eligible(shapes: RingShapes, unit: float, levels: int, margin: float = 1.0) 
 
     With a `margin` above 1 fewer may: those that still do after a small change.
     """
+    return np.asarray(room(shapes, unit, margin) >= levels)
+
+
+def room(shapes: RingShapes, unit: float, margin: float = 1.0) -> FloatArray:
+    """Return (r,): how many levels a mark may have in each ring, 0 where it may have none (see `eligible`)."""
     exact = level_of(shapes, unit)
-    firm = (shapes.spread * margin <= SPREAD) & shapes.normal.any(axis=1)
+    firm = (exact >= LEVELS[0]) & (shapes.spread * margin <= SPREAD) & shapes.normal.any(axis=1)
     level = np.clip(np.floor(exact), LEVELS[0], LEVELS[-1]).astype(np.int64)
-    fits = (exact >= LEVELS[0]) & (levels * margin <= REACH * 2.0 ** (exact / 2.0) / np.sqrt(2.0))
     values, cell = _lengths(shapes, level)
     tolerance = margin * _tolerance(shapes, level)
     near = np.abs(values - np.round(values)) <= (tolerance / cell)[:, None]
     ties = shapes.distance >= (shapes.distance.max(axis=1) - tolerance)[:, None]
     clear = (near.sum(axis=1) <= AMBIGUOUS) & (ties.sum(axis=1) <= ALTERNATIVES)
-    return np.asarray(fits & firm & clear)
+    return np.asarray(np.where(firm & clear, REACH * 2.0 ** (exact / 2.0) / np.sqrt(2.0) / margin, 0.0))
 
 
 def candidates(
@@ -176,7 +182,8 @@ def candidates(
 
 def _lengths(shapes: RingShapes, level: IntArray) -> tuple[FloatArray, FloatArray]:
     """Return the ring's lengths (r, 2k) in units of the hash's step, and that step (r,) in ring sizes."""
-    cell = np.minimum(HASH_STEPS * step_of(level), HASH_STEP)
+    step = step_of(level)
+    cell = np.minimum(HASH_STEPS * step, np.maximum(HASH_STEP, HASH_LEAST * step))
     return np.concatenate([shapes.distance, shapes.chord], axis=1) / cell[:, None] + _SHIFT, cell
 
 

@@ -81,7 +81,8 @@ def check(surface: Welded, key: Key, nonce: int | None = None) -> Checks:
     whole[found.vertex[read.holds & ~read.torn]] = True
     torn = _torn(rings, found.vertex[read.torn], whole, 2 if swept.rounded else 1)
     able = swept.able | torn
-    place = read.holds & (found.kind == PLACE)
+    outdone = _outdone(pairs, found.vertex, np.where(read.holds, read.off, np.inf), len(points))
+    place = read.holds & (found.kind == PLACE) & ~outdone[found.vertex]
     evidence = Evidence(
         found.vertex[place],
         found.centre[place],

@@ -23,12 +23,13 @@ from meshmark.schemes.ncdg_lv.authentication.candidates import (
     PLACE,
     Candidates,
     candidates,
-    eligible,
     joined,
     level_of,
+    room,
     step_of,
 )
 from meshmark.schemes.ncdg_lv.authentication.parameters import (
+    COVERING,
     LAYOUTS,
     MARKS_NEEDED,
     PSNR_LEAST,
@@ -52,13 +53,15 @@ class Plan:
 
     marks: (m,) the points that carry marks. payload_marks: how many of them carry payload.
     payload_index: (payload_marks,) uint32 of their symbols; rings that are alike share one.
-    layout: bits per mark. unit: smallest step, in scene units.
+    layout: bits per mark. unit: smallest step, in scene units. covered: share of the points that faces use
+    which are marks or in the ring of one, 0 to 1.
     """
 
     marks: IntArray
     payload_index: NDArray[np.uint32]
     layout: Layout
     unit: float
+    covered: float
 
     @property
     def symbol_bits(self) -> int:
@@ -129,11 +132,14 @@ def _prepared(surface: Welded, key: Key, precision: float) -> tuple[Plan, Candid
     shapes = [ring_shapes(points, group) for group in rings]
     parts = list(zip(rings, shapes, strict=True))
     chance = unit_interval(keyed_words(key.subkey("authentication choice of marks"), len(points)))
+    levels = _room(len(points), parts, unit)
+    fewest = min(layout.levels for layout in LAYOUTS.values())
+    enough = COVERING * (levels >= fewest).sum()
     for wanted in (PSNR_WANTED, PSNR_LEAST):
         most = 2.0 * radius * 10.0 ** (-wanted / 20.0)
         for layout in LAYOUTS.values():
-            allowed = _allowed(len(points), parts, unit, layout)
-            if _rms(parts, allowed, unit, layout) * sqrt(_MARK_SHARE) > most:
+            allowed = levels >= layout.levels
+            if allowed.sum() < enough or _rms(parts, allowed, unit, layout) * sqrt(_MARK_SHARE) > most:
                 continue
             chosen = independent_points(surface.faces, allowed, chance)
             if _rms(parts, chosen, unit, layout) <= most:
@@ -155,14 +161,23 @@ def _plan(
             "it has too few points, or too fine ones for the precision of its file"
         )
     found = joined([_plain(points, *part, chosen, unit, key) for part in parts])
-    return Plan(found.vertex, found.index[found.kind == PAYLOAD], layout, unit), found
+    payload = found.index[found.kind == PAYLOAD]
+    return Plan(found.vertex, payload, layout, unit, _covered(parts, chosen)), found
 
 
-def _allowed(count: int, parts: _Parts, unit: float, layout: Layout) -> NDArray[np.bool_]:
-    allowed = np.zeros(count, bool)
+def _covered(parts: _Parts, chosen: NDArray[np.bool_]) -> float:
+    vouched, used = chosen.copy(), np.zeros(len(chosen), bool)
+    for group, _ in parts:
+        used[group.around] = True
+        vouched[group.around[chosen[group.vertex]]] = True
+    return float(vouched.sum() / used.sum())
+
+
+def _room(count: int, parts: _Parts, unit: float) -> FloatArray:
+    levels = np.zeros(count)
     for group, shape in parts:
-        allowed[group.vertex[eligible(shape, unit, layout.levels)]] = True
-    return allowed
+        levels[group.vertex] = room(shape, unit)
+    return levels
 
 
 def _rms(parts: _Parts, chosen: NDArray[np.bool_], unit: float, layout: Layout) -> float:

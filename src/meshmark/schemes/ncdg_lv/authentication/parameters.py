@@ -9,7 +9,9 @@ from typing import Final
 __all__ = [
     "ALTERNATIVES",
     "AMBIGUOUS",
+    "COVERING",
     "FAR_AWAY",
+    "HASH_LEAST",
     "HASH_STEP",
     "HASH_STEPS",
     "LAYOUTS",
@@ -65,9 +67,11 @@ UNIT: Final = 2.0 * 4.3 / sqrt(3.0)
 # The error of 32-bit floats, over the diagonal, when the model lies six diagonals from the origin: scaled down to a
 # seventh and moved away by one diagonal of before.
 FAR_AWAY: Final = 4.5e-7
-# The ring's hash takes its lengths in units of so many steps, but of no more than so many ring sizes.
+# The ring's hash takes its lengths in units of so many steps, but of no more than so many ring sizes, unless so few
+# steps are more: in the rings of a subdivided surface four lengths each are alike, near a boundary all at once.
 HASH_STEPS: Final = 32.0
 HASH_STEP: Final = 1.0 / 16.0
+HASH_LEAST: Final = 6.0
 # A length of the ring may be off by so many steps over the ring's spread: the error of two points, not of a ring.
 TOLERANCE: Final = 1.0
 # So many lengths of a ring may be near a rounding boundary, and so many neighbours the farthest.
@@ -76,5 +80,7 @@ ALTERNATIVES: Final = 8
 # PSNR of this layer alone, in dB: bits are given up to reach the one; without the other there is no mark.
 PSNR_WANTED: Final = 80.2
 PSNR_LEAST: Final = 70.0
+# Of the rings that could have a mark of the fewest bits so many must have room for those of more.
+COVERING: Final = 0.95
 # Fewer marks cannot carry the model's id.
 MARKS_NEEDED: Final = 40

@@ -15,7 +15,7 @@ from meshmark.schemes.ncdg_lv.authentication.parameters import LAYOUTS, LEVELS, 
 from meshmark.schemes.ncdg_lv.authentication.symbols import header_symbols
 from meshmark.schemes.ncdg_lv.authentication.words import bind, symbols_at
 
-__all__ = ["Read", "chance_of", "read_marks"]
+__all__ = ["Read", "chance_of", "read_marks", "window_of"]
 
 # A mark may be this many steps from its whole place, and so many times the median of all.
 _WINDOW, _WINDOWS = 0.12, 8.0
@@ -48,9 +48,14 @@ def read_marks(found: Candidates, key: Key, layout: Layout, nonce: int | None) -
         rows = np.flatnonzero((off > last) & (off <= window))
         symbol[rows], holds[rows], torn[rows] = _read(found.take(rows), key, layout, nonce)
         last = window
-        window = _WINDOW + _WINDOWS * float(np.median(off[holds])) if holds.any() else 1.0
+        window = window_of(off[holds])
     holds &= off <= window
     return Read(symbol, holds, off, torn & holds)
+
+
+def window_of(off: FloatArray) -> float:
+    """Return how far off its whole place, in steps, a mark may be where those that hold are `off` (k,)."""
+    return _WINDOW + _WINDOWS * float(np.median(off)) if len(off) else 1.0
 
 
 def _read(

@@ -18,7 +18,7 @@ from meshmark.schemes.ncdg_lv.authentication.candidates import (
     level_of,
 )
 from meshmark.schemes.ncdg_lv.authentication.parameters import FAR_AWAY, LAYOUTS, LEVELS, UNIT, Layout
-from meshmark.schemes.ncdg_lv.authentication.reading import chance_of
+from meshmark.schemes.ncdg_lv.authentication.reading import chance_of, window_of
 from meshmark.schemes.ncdg_lv.authentication.words import PURPOSE, bind, symbols_at
 
 __all__ = ["Setting", "all_candidates", "likeliest_setting", "plain_candidates"]
@@ -31,6 +31,9 @@ _LEVEL_DOUBT = 0.05
 # they tell is taken where so many marks hold by chance less often than this, and are that sure of the step.
 _LIKELY = range(-6, 2)
 _CLEAR_LOG10, _CLEAR = -6.0, 0.1
+# Of the marks that hold under one step so many may do so by luck.
+_BY_LUCK = 1
+_SAME, _NEXT = 1e-9, 0.25
 
 
 @dataclass(frozen=True)
@@ -46,6 +49,11 @@ class Setting:
     layout: Layout
     count: int
     log10_chance: float
+
+    @property
+    def doubts(self) -> float:
+        """Return by how much (levels) a ring's level may be off altogether."""
+        return self.doubt + _LEVEL_DOUBT
 
 
 def likeliest_setting(
@@ -96,30 +104,37 @@ def _best(
         size, found = size[found.kind == HEADER], found.take(found.kind == HEADER)
     bound = bind(found, key, nonce)
     order = np.argsort(size)
+    off = np.abs(found.place - found.whole).max(axis=1)
     best: Setting | None = None
     for layout in LAYOUTS.values():
         _, holds = symbols_at(found.whole, found.rim, bound, layout)
         held = order[holds[order]]
-        first, last = _densest(size[held])
+        inside = held[slice(*_densest(size[held])[:2])]
+        held = held[off[held] <= window_of(off[inside])]
+        first, last, least, most = _densest(size[held])
         if last - first > (best.count if best is not None else 0):
-            latest, earliest = size[held[first]], size[held[last - 1]] - 1.0
-            middle, doubt = float(latest + earliest) / 2.0, float(latest - earliest) / 2.0
+            middle, doubt = (least + most) / 2.0, (most - least) / 2.0
             within = (size >= middle) & (size <= middle + 1.0)
             chance = chance_of(found.take(within), holds[within], layout)
             best = Setting(2.0 ** (middle / 2.0), doubt, layout, last - first, chance)
     return best
 
 
-def _densest(values: FloatArray) -> tuple[int, int]:
+def _densest(values: FloatArray) -> tuple[int, int, float, float]:
     """Return which of the sorted values, first and last + 1, lie in the interval of length 1 that holds most.
 
-    The interval may start anywhere between its last value less 1 and its first.
+    And the least and the most where an interval may start that holds all but the few that may be there by luck.
     """
     if not len(values):
-        return 0, 0
-    counts = np.searchsorted(values, values + 1.0) - np.arange(len(values))
+        return 0, 0, 0.0, 0.0
+    counts = np.searchsorted(values, values + 1.0, side="right") - np.arange(len(values))
     best = int(counts.argmax())
-    return best, best + int(counts[best])
+    starts = np.concatenate([values, values - 1.0])
+    starts = starts[np.abs(starts - values[best]) <= _NEXT]
+    held = np.searchsorted(values, starts + 1.0 + _SAME, side="right")
+    held -= np.searchsorted(values, starts - _SAME)
+    good = starts[held >= counts[best] - _BY_LUCK]
+    return best, best + int(counts[best]), float(good.min()), float(good.max())
 
 
 def plain_candidates(
@@ -136,7 +151,7 @@ def all_candidates(
 ) -> Candidates:
     """Return every candidate of rings for marks of this setting, on both levels near where it changes."""
     exact = level_of(shapes, setting.unit)
-    doubt = setting.doubt + _LEVEL_DOUBT
+    doubt = setting.doubts
     level = np.floor(exact).astype(np.int64)
     parts = []
     for change, doubtful in (

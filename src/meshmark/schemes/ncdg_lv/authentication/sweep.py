@@ -11,7 +11,14 @@ from meshmark.carriers.rings import Rings
 from meshmark.carriers.rings_shape import RingShapes
 from meshmark.coding.keys import Key
 from meshmark.mesh import FloatArray
-from meshmark.schemes.ncdg_lv.authentication.candidates import HEADER, Candidates, beside, eligible, joined
+from meshmark.schemes.ncdg_lv.authentication.candidates import (
+    HEADER,
+    Candidates,
+    beside,
+    eligible,
+    joined,
+    level_of,
+)
 from meshmark.schemes.ncdg_lv.authentication.reading import Read, read_marks
 from meshmark.schemes.ncdg_lv.authentication.search import Setting, all_candidates, plain_candidates
 from meshmark.schemes.ncdg_lv.authentication.symbols import read_header
@@ -50,7 +57,7 @@ def sweep(points: FloatArray, parts: _Parts, setting: Setting, key: Key, nonce: 
     """
     able = np.zeros(len(points), bool)
     for group, shape in parts:
-        able[group.vertex] = eligible(shape, setting.unit, setting.layout.levels, _MARGIN)
+        able[group.vertex] = _able(shape, setting)
     subkey = key.subkey(PURPOSE)
     found = joined([plain_candidates(points, *part, setting, subkey) for part in parts])
     held = np.zeros(len(points), bool)
@@ -81,6 +88,17 @@ def sweep(points: FloatArray, parts: _Parts, setting: Setting, key: Key, nonce: 
         lucky = read.torn & (np.arange(len(found.vertex)) >= first)  # so many tries would make holes
         read = replace(read, holds=read.holds & ~lucky, torn=read.torn & ~lucky)
     return Sweep(found, read, told, able, rounded)
+
+
+def _able(shape: RingShapes, setting: Setting) -> NDArray[np.bool_]:
+    """Return (r,): which rings could carry a mark, of whatever level they may have had."""
+    able = eligible(shape, setting.unit, setting.layout.levels, _MARGIN)
+    level = np.floor(level_of(shape, setting.unit))
+    for doubt in (-setting.doubts, setting.doubts):
+        unit = setting.unit * 2.0 ** (doubt / 2.0)
+        rows = np.flatnonzero(able & (np.floor(level_of(shape, unit)) != level))
+        able[rows] = eligible(shape.take(rows), unit, setting.layout.levels, _MARGIN)
+    return able
 
 
 def vouched(parts: _Parts, passed: NDArray[np.bool_]) -> NDArray[np.bool_]:
