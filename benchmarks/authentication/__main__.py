@@ -19,7 +19,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from time import perf_counter, process_time
 
-from benchmarks.authentication import benign, payloads, points, restoring, tampering
+from benchmarks.authentication import benign, forging, payloads, points, restoring, tampering
 from benchmarks.authentication.figures import Row, append, load_rows, table
 from benchmarks.authentication.subjects import Subject, subjects
 
@@ -31,7 +31,7 @@ BARS: dict[str, Callable[[Subject, int | None], Iterator[Row]]] = {
     "payloads": payloads.measure,
     "recovery": restoring.measure,
     "unmark": restoring.measure_unmark,
-    "forgeries": points.measure_forgeries,
+    "forgeries": forging.measure,
 }
 
 

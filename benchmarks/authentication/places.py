@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from meshmark.mesh import IntArray
+from meshmark.mesh import FloatArray, IntArray
 
-__all__ = ["around", "far_apart"]
+__all__ = ["around", "directions", "far_apart"]
 
 
 def around(graph: csr_array, point: int, steps: int) -> IntArray:
@@ -32,3 +32,9 @@ def far_apart(graph: csr_array, allowed: NDArray[np.bool_], edges: int, rng: np.
             chosen.append(point)
             free[around(graph, point, edges)] = False
     return np.array(chosen, np.int64)
+
+
+def directions(count: int, rng: np.random.Generator) -> FloatArray:
+    """Return (count, 3) random unit vectors."""
+    ways = rng.normal(size=(count, 3))
+    return np.asarray(ways / np.linalg.norm(ways, axis=1)[:, None])

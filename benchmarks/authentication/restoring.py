@@ -9,7 +9,7 @@ import numpy as np
 
 import meshmark as mm
 from benchmarks.authentication.figures import Row
-from benchmarks.authentication.subjects import KEY, Subject, donor
+from benchmarks.authentication.subjects import KEY, Subject
 from benchmarks.authentication.tampering import EDITS
 from benchmarks.marks import SHARES
 from benchmarks.recovery import compared, is_closed
@@ -29,7 +29,7 @@ def measure(subject: Subject, draws: int | None) -> Iterator[Row]:
     for number in rng.permutation(len(ways))[:draws]:
         edit, share = ways[number]
         try:
-            attacked = mm.ATTACKS[edit].apply(mesh, share, rng, Given(donor=donor()))
+            attacked = mm.ATTACKS[edit].apply(mesh, share, rng, Given(donor=subject.donor()))
         except InputError as error:
             print(f"  {edit} {share:g}: {error}")
             continue

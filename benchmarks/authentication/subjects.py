@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cache, cached_property
 from zlib import crc32
@@ -24,10 +24,18 @@ LEAST_POINTS = 2500
 
 @dataclass(frozen=True, eq=False)
 class Subject:
-    """A model, and what is made of it when it is asked for."""
+    """A model, and what is made of it when it is asked for.
+
+    others: makes another model that is marked with the same key; None: one of the training models.
+    """
 
     name: str
     mesh: Mesh
+    others: Callable[[], Mesh] | None = None
+
+    def donor(self) -> Mesh:
+        """Return another model, marked with the same key."""
+        return donor() if self.others is None else self.others()
 
     def rng(self, purpose: str) -> np.random.Generator:
         """Return a generator that does not depend on what else is measured."""

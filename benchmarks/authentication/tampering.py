@@ -8,7 +8,7 @@ import numpy as np
 
 import meshmark as mm
 from benchmarks.authentication.figures import Row
-from benchmarks.authentication.subjects import KEY, Subject, donor
+from benchmarks.authentication.subjects import KEY, Subject
 from benchmarks.marks import SHARES
 from meshmark.attacks.attack import Attacked, Given
 from meshmark.errors import InputError
@@ -27,7 +27,7 @@ def measure(subject: Subject, draws: int | None) -> Iterator[Row]:
     ways = [(edit, share) for edit in EDITS for share in SHARES]
     for number in rng.permutation(len(ways))[:draws]:
         edit, share = ways[number]
-        given = Given(donor=donor())
+        given = Given(donor=subject.donor())
         try:
             attacked = mm.ATTACKS[edit].apply(subject.marked.mesh, share, rng, given)
         except InputError as error:
@@ -57,7 +57,11 @@ def measure_pastes(subject: Subject, _draws: int | None) -> Iterator[Row]:
     mesh, rng = subject.marked.mesh, subject.rng("pastes")
     for share in SHARES:
         elsewhere = mm.ATTACKS["shuffle"](mesh, 1, rng)
-        sources = {"another model": donor(), "another place": elsewhere, "another id": subject.upper.mesh}
+        sources = {
+            "another model": subject.donor(),
+            "another place": elsewhere,
+            "another id": subject.upper.mesh,
+        }
         for source, from_ in sources.items():
             try:
                 attacked = mm.ATTACKS["paste"].apply(mesh, share, rng, Given(donor=from_))
