@@ -6,30 +6,17 @@ import numpy as np
 
 from meshmark.geometry.areas import vertex_areas
 from meshmark.mesh import FloatArray, IntArray
+from meshmark.segmentation.centres import PASSES, STILL, settled_centres
 from meshmark.segmentation.map_segmentation import Regions, halves
 from meshmark.segmentation.power_diagram import CHUNK, assign
 
 __all__ = ["fuzzy_c_means_regions", "k_means_regions", "memberships"]
 
-PASSES = 60
-"""At most; centres that move less than `STILL` times the extent end the passes before."""
-STILL = 1e-5
-
-
 def k_means_regions(points: FloatArray, faces: IntArray, seeds: IntArray) -> Regions:
-    """Return the k-means clusters of points (p, 3), weighted by area, started from `seeds` (n,) (Lloyd 1982)."""
+    """Return the k-means clusters of points (p, 3), weighted by area, started from `seeds` (n,)."""
     areas = vertex_areas(points, faces)
-    centres = points[seeds]
-    none = np.zeros(len(seeds))
-    for _ in range(PASSES):
-        region = assign(points, centres, none)
-        mass = np.bincount(region, areas, len(seeds))
-        sums = np.stack([np.bincount(region, areas * axis, len(seeds)) for axis in points.T], axis=1)
-        moved = np.where(mass[:, None] > 0.0, sums / np.where(mass, mass, 1.0)[:, None], centres)
-        step, centres = float(np.abs(moved - centres).max()), moved
-        if step <= STILL * float(np.ptp(points, axis=0).max()):
-            break
-    return _regions(points, faces, areas, assign(points, centres, none), len(seeds))
+    centres = settled_centres(points, areas, points[seeds])
+    return _regions(points, faces, areas, assign(points, centres, np.zeros(len(seeds))), len(seeds))
 
 
 def fuzzy_c_means_regions(points: FloatArray, faces: IntArray, seeds: IntArray) -> Regions:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from meshmark.geometry.areas import vertex_areas
 from meshmark.geometry.frame import canonical_frame
 from meshmark.mesh import FloatArray, IntArray
+from meshmark.segmentation.centres import settled_centres
 from meshmark.segmentation.power_diagram import assign, balanced_weights
 
 __all__ = ["Regions", "choose_seeds", "default_regions", "halves", "map_regions"]
@@ -85,14 +86,15 @@ def halves(points: FloatArray, faces: IntArray, areas: FloatArray) -> NDArray[np
 def map_regions(points: FloatArray, faces: IntArray, seeds: IntArray) -> Regions:
     """Return the map of regions around the points `seeds` (n,).
 
-    In each half a power diagram over the seeds gives every region 1/n of the area of that half, as compactly
-    as can be (DESIGN section 3). Raises `InputError` where the faces have no area.
+    From the seeds the centres of the regions settle as k-means does, which makes up for seeds that an attack moves
+    (docs/decisions/0012). In each half a power diagram over the centres gives every region 1/n of the area of that
+    half, as compactly as can be (DESIGN section 3). Raises `InputError` where the faces have no area.
     """
     areas = vertex_areas(points, faces)
     green = halves(points, faces, areas)
     region = np.empty(len(points), np.int64)
     shares = []
-    at = points[seeds]
+    at = settled_centres(points, areas, points[seeds])
     for half in (green, ~green):
         mass = areas[half]
         inside = points[half]
