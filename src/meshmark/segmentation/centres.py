@@ -1,4 +1,4 @@
-"""Centres of regions: k-means from the salient points on, weighted by area (Lloyd 1982, doi:10.1109/TIT.1982.1056489)."""
+"""Centres of regions: k-means from the salient points on, by area (Lloyd 1982, doi:10.1109/TIT.1982.1056489)."""
 
 from __future__ import annotations
 

@@ -12,6 +12,7 @@ from meshmark.segmentation.power_diagram import CHUNK, assign
 
 __all__ = ["fuzzy_c_means_regions", "k_means_regions", "memberships"]
 
+
 def k_means_regions(points: FloatArray, faces: IntArray, seeds: IntArray) -> Regions:
     """Return the k-means clusters of points (p, 3), weighted by area, started from `seeds` (n,)."""
     areas = vertex_areas(points, faces)
