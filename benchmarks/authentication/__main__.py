@@ -3,12 +3,12 @@
     python -m benchmarks.authentication BAR... [--folder models/test] [--limit N] [--skip N] [--minutes M]
         [--draws BAR=N ...] [--most-points N] [--seed N] [--rows FILE.csv]
 
-BAR: benign (1), edits (2), moves (3), pastes (4), payloads (5 and 8), recovery (6), unmark (7), forgeries (9);
-all of them without one. Models come in a random order, so that the first N are a fair sample. --minutes: no model
-is begun after so many. --draws: of each model only so many edits (edits, recovery) or tries (moves, forgeries:
-10,000 each without it), drawn at random. --rows: measurements are added to this file, and the table is that of all
-in it. Exits 1 where one of the bars that were measured is missed. Bar 10 is measured by
-`benchmarks.region_classifier`, the speed of bar 11 by `benchmarks.authenticate_speed`.
+BAR: benign (1), edits (2), moves (3), pastes (4), payloads (5 and 8), recovery (6), unmark (7), forgeries (9, lone
+marks 3), roc (10); all of them without one. Models come in a random order, so that the first N are a fair sample.
+--minutes: no model is begun after so many. --draws: of each model only so many edits (edits, recovery: all 36
+without it; roc: 8) or tries (moves, forgeries: 10,000), drawn at random. --rows: measurements are added to this
+file, and the table is that of all in it. Exits 1 where one of the bars that were measured is missed. Below stands
+what each bar took. The speed of bar 11 is measured by `benchmarks.authenticate_speed`.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from time import perf_counter, process_time
 
-from benchmarks.authentication import benign, forging, payloads, points, restoring, tampering
-from benchmarks.authentication.figures import Row, append, load_rows, table
+from benchmarks.authentication import benign, forging, payloads, points, ranking, restoring, tampering
+from benchmarks.authentication.figures import SECONDS, Row, append, load_rows, table
 from benchmarks.authentication.subjects import Subject, subjects
 
 BARS: dict[str, Callable[[Subject, int | None], Iterator[Row]]] = {
@@ -32,6 +32,7 @@ BARS: dict[str, Callable[[Subject, int | None], Iterator[Row]]] = {
     "recovery": restoring.measure,
     "unmark": restoring.measure_unmark,
     "forgeries": forging.measure,
+    "roc": ranking.measure,
 }
 
 
@@ -68,18 +69,24 @@ def _share(text: str) -> tuple[str, int]:
 
 
 def _measured(subject: Subject, bars: list[str], draws: dict[str, int], file: Path | None) -> list[Row]:
+    before = process_time()
     layers = subject.marked.layers
+    spent = {"marking": process_time() - before}
     print(f"{subject.name}: {len(subject.surface.points)} points, {layers}", flush=True)
     rows: list[Row] = []
     for bar in bars:
         before = process_time()
-        measured = BARS[bar](subject, draws.get(bar)) if layers == "both" else _refused(subject)
-        found = list(measured)
-        print(f"  {bar}: {len(found)} rows, {process_time() - before:.1f} s of processor time", flush=True)
+        fits = layers == "both" or bar == "roc"
+        found = list(BARS[bar](subject, draws.get(bar)) if fits else _refused(subject))
+        spent[bar] = process_time() - before
+        print(f"  {bar}: {len(found)} rows, {spent[bar]:.1f} s of processor time", flush=True)
         rows += found
         if file is not None:
             append(found, file)
-    return rows
+    costs = [Row(SECONDS, subject.name, bar, seconds) for bar, seconds in spent.items()]
+    if file is not None:
+        append(costs, file)
+    return rows + costs
 
 
 def _refused(subject: Subject) -> Iterator[Row]:
