@@ -13,6 +13,7 @@ from meshmark.schemes.rivals.laplace_beltrami import LaplaceBeltrami
 from meshmark.schemes.rivals.lsb import Lsb
 from meshmark.schemes.rivals.mdaqim import Mdaqim
 from meshmark.schemes.rivals.spectral import Spectral
+from meshmark.schemes.rivals.volume_moments import VolumeMoments
 from meshmark.schemes.scheme import Scheme
 
 __all__ = ["ENTRY_POINTS", "SCHEMES", "Schemes"]
@@ -29,6 +30,7 @@ OWN: dict[str, Callable[[], Scheme]] = {
     "lsb": Lsb,
     "fcm": Fcm,
     "spectral": Spectral,
+    "volume_moments": VolumeMoments,
 }
 
 
