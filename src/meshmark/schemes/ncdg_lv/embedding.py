@@ -26,6 +26,7 @@ from meshmark.schemes.ncdg_lv.parameters import (
     BUDGETS,
     CARRIER_ENOUGH,
     CARRIER_MINIMUM,
+    HOPELESS_BITS,
     SPACING_TRIES,
     STEP_TRIES,
     STEPS,
@@ -69,12 +70,13 @@ def embed(
     budget = sqrt(BUDGETS[strength] ** 2 - reserve**2) * diagonal
     surface = weld(mesh)
     frame = canonical_frame(surface.points, surface.faces)
-    most = 0
+    most, tried = 0, False
     for shaping in _shapings(surface, frame, key, bits):
         carriers = shaping.carriers if shaping.capacity >= CARRIER_MINIMUM else shaping.capacity
         most = max(most, carriers)
-        if carriers < CARRIER_MINIMUM:
+        if carriers < CARRIER_MINIMUM or shaping.bits < HOPELESS_BITS:
             continue
+        tried = True
         # Marking changes the area by far less than this.
         likeliest = {preferred_spacings(frame.area * change)[0] for change in (0.97, 1.03)} == {
             shaping.spacing
@@ -82,7 +84,7 @@ def embed(
         attempt = _largest_step(mesh, surface, key, identity, shaping, budget, likeliest)
         if attempt is not None:
             return _finish(mesh, attempt, identity, strength, diagonal, perf_counter() - start)
-    raise CapacityError(_advice(most, len(surface.points), strength))
+    raise CapacityError(_advice(most, len(surface.points), strength, tried))
 
 
 def _check(strength: str, reserve: float) -> None:
@@ -186,12 +188,17 @@ def _finish(
     )
 
 
-def _advice(carriers: int, points: int, strength: str) -> str:
+def _advice(carriers: int, points: int, strength: str, tried: bool) -> str:
     text = f"the model cannot carry 64 bits at strength {strength}: it needs about {CARRIER_MINIMUM} carriers"
     if carriers < CARRIER_MINIMUM:
         return (
             f"{text}, has {carriers} ({points} points); no strength helps where there are too few points, or faces "
             "that point every way"
+        )
+    if not tried:
+        return (
+            f"{text}, has {carriers} among too many that cannot be set ({points} points); no strength helps where "
+            "there are too few points"
         )
     text = f"{text} that hold their bits, has {carriers} of which too few do ({points} points)"
     stronger = {"subtle": "standard", "standard": "strong"}.get(strength)

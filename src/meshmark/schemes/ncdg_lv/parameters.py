@@ -26,6 +26,7 @@ __all__ = [
     "EMBED_SELECTION",
     "EXTRACT_SELECTION",
     "GATHER",
+    "HOPELESS_BITS",
     "HOPELESS_ERROR",
     "LARGE_STEPS",
     "LOCK_CANDIDATES",
@@ -66,6 +67,9 @@ CARRIER_ENOUGH: Final = 170
 CARRIER_PLENTY: Final = 200
 # Below so many carriers of a 64-bit id no decoder can tell it from chance (decision 0004).
 CARRIER_MINIMUM: Final = 110
+# Nor is it tried where the cells that are read tell fewer bits than this by hard decisions (64 are needed): of the
+# lattices of small training models those that could be read told 64 and more, and none of eleven below 50.
+HOPELESS_BITS: Final = 50.0
 # Fewer carriers than this are not read at all: nothing could be told from them.
 CARRIER_READABLE: Final = 60
 # Spacings tried around the preferred one, nearest first; thin walls need finer ones.

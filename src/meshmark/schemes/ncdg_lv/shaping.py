@@ -7,6 +7,7 @@ distinct axes are followed and alike ones held, so that the cells an extraction 
 from __future__ import annotations
 
 from functools import cached_property
+from math import log2
 
 import numpy as np
 
@@ -52,13 +53,21 @@ class Shaping:
         self._sampler = plan_samples(self._placed, surface.faces, LONGEST_SAMPLE)
         self._samples = self._sampler(self._placed)
         cells = measure_cells(self._samples)
-        self.capacity = len(select_cells(cells, EXTRACT_SELECTION))
-        self._candidates = cells.take(select_cells(cells, EMBED_SELECTION))
+        read, chosen = select_cells(cells, EXTRACT_SELECTION), select_cells(cells, EMBED_SELECTION)
+        self.capacity = len(read)
+        self._candidates, self._read_too = cells.take(chosen), np.isin(chosen, read)
 
     @property
     def carriers(self) -> int:
-        """How many of the cells can be set, given how many vertices there are to move."""
-        return min(self.capacity, len(self._cells.nodes))
+        """How many of the cells that an extraction reads can be set, given how many vertices there are to move."""
+        return int((self._bumps.free & self._read_too).sum())
+
+    @property
+    def bits(self) -> float:
+        """How many bits hard decisions can tell at most: cells that cannot be set are right half of the time."""
+        wrong = 0.5 * (1.0 - self.carriers / max(self.capacity, 1))
+        lost = sum(-share * log2(share) for share in (wrong, 1.0 - wrong) if share > 0.0)
+        return self.capacity * (1.0 - lost)
 
     def rms(self, step: float) -> float:
         """Return the first-order RMS displacement in scene units, over vertices or over area: the larger.
