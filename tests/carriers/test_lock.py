@@ -14,7 +14,7 @@ EXPECTED = np.array([0.005] * 4 + [0.006] * 3)
 
 def search_lock(psi, gradient, expected, radius=2.2):
     search = LockSearch(psi, gradient, expected, radius)
-    return sorted((search.polished(rough) for rough in search.rough(3)), key=lambda lock: -lock.score)
+    return sorted(search.polished(search.rough(3)), key=lambda lock: -lock.score)
 
 
 def problem(seed, cells=250, noise=0.3, size=2.0):

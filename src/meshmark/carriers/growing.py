@@ -63,7 +63,7 @@ def grown(
     cluster = order[:FIRST]
     search = LockSearch(psi[cluster], gradient[cluster], expected, RADIUS, most)
     least = STANDS_OUT * np.sqrt(len(cluster) / 2.0)
-    locks = [search.polished(rough) for rough in search.rough(KEPT)]
+    locks = search.polished(search.rough(KEPT))
     locks = [lock for lock in locks if lock.score > least]
     if not locks:
         return None
@@ -95,7 +95,7 @@ def _grow(
             NEXT_RADIUS,
             MOST_NEXT,
         )
-        lock = search.polished(search.rough(1)[0])
+        (lock,) = search.polished(search.rough(1))
         place = place + ways @ lock.correction
         if count == len(order):
             return Lock(place, lock.score, lock.tried)

@@ -12,6 +12,7 @@ directions of the phases' response, so that ill-determined directions get few gr
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import gamma
 
@@ -83,11 +84,15 @@ class LockSearch:
         """
         return [self._lock(place) for place in _best_places(self._grid, self._psi, keep)]
 
-    def polished(self, rough: Lock) -> Lock:
-        """Return the top of the score next to a grid point; the grid point where that is far out of the ball."""
-        start = np.linalg.solve(self._back, rough.correction)
-        place = _polish(self._psi, self._response, start)
-        return self._lock(place) if np.linalg.norm(place) <= self._grid.radius * SLACK else rough
+    def polished(self, rough: Sequence[Lock]) -> list[Lock]:
+        """Return the top of the score next to each grid point; the point where that is far out of the ball."""
+        starts = np.linalg.solve(self._back, np.array([lock.correction for lock in rough]).T).T
+        places = _polish(self._psi, self._response, starts)
+        inside = np.linalg.norm(places, axis=1) <= self._grid.radius * SLACK
+        return [
+            self._lock(place) if near else lock
+            for lock, place, near in zip(rough, places, inside, strict=True)
+        ]
 
     def _lock(self, place: FloatArray) -> Lock:
         score = float(np.cos(self._psi + self._response @ place).sum())
@@ -151,20 +156,24 @@ def _lay(
     response: FloatArray, spread: FloatArray, reach: IntArray, directions: IntArray, radius: float
 ) -> _Half:
     """Return the grid over some directions, within the radius, nearest first."""
-    spacing = GRID / np.maximum(spread[directions], GRID * 1e-6)
-    counts = np.meshgrid(*(np.arange(-reach[i], reach[i] + 1) for i in directions), indexing="ij")
-    ticks = np.stack([count.ravel() for count in counts], axis=1)
-    distances = np.linalg.norm(ticks * spacing, axis=1)
-    near = np.flatnonzero(distances <= radius)
-    near = near[np.argsort(distances[near], kind="stable")]
-    places = np.zeros((len(near), len(spread)))
-    places[:, directions] = ticks[near] * spacing
-    waves = np.ones((len(near), len(response)), dtype=np.complex64)
-    for i, d, column in zip(directions, spacing, ticks[near].T, strict=True):
-        if reach[i]:  # few ticks, many points: a product is cheaper than an exponential
-            tick_waves = np.exp(1j * np.outer(np.arange(-reach[i], reach[i] + 1) * d, response[:, i]))
-            waves *= tick_waves.astype(np.complex64)[column + reach[i]]
-    return _Half(places, distances[near], waves)
+    active = directions[reach[directions] > 0]
+    spacing = GRID / spread[active]
+    squares, waves = np.zeros(1), np.ones((1, len(response)), dtype=np.complex64)
+    ticks = np.zeros((1, 0), dtype=np.int64)
+    for i, d in zip(active, spacing, strict=True):
+        tick = np.arange(-reach[i], reach[i] + 1)
+        within = squares[:, None] + (tick * d) ** 2
+        row, column = np.nonzero(within <= radius * radius)
+        squares = within[row, column]
+        if i == active[-1]:  # in order before what costs most, the waves of all points
+            order = np.argsort(squares, kind="stable")
+            row, column, squares = row[order], column[order], squares[order]
+        ticks = np.column_stack([ticks[row], tick[column]])
+        # Few ticks, many points: a product is cheaper than an exponential.
+        waves = waves[row] * np.exp(1j * np.outer(tick * d, response[:, i])).astype(np.complex64)[column]
+    places = np.zeros((len(ticks), len(spread)))
+    places[:, active] = ticks * spacing
+    return _Half(places, np.sqrt(squares), waves)
 
 
 def _leg(radius: float, other: FloatArray) -> FloatArray:
@@ -196,26 +205,30 @@ def _best_places(grid: _Grid, psi: FloatArray, keep: int) -> list[FloatArray]:
     return [one.places[a] + two.places[b] for _, a, b in found]
 
 
-def _polish(psi: FloatArray, response: FloatArray, place: FloatArray) -> FloatArray:
-    """Climb to the top of the score by damped Newton steps; return the place (d,)."""
-    here, damping = place, 1e-2
-    phase = psi + response @ here
-    score = float(np.cos(phase).sum())
+def _polish(psi: FloatArray, response: FloatArray, places: FloatArray) -> FloatArray:
+    """Climb to the top of the score from each place (k, d) by damped Newton steps; return the ends (k, d)."""
+    here, damping = places.copy(), np.full(len(places), 1e-2)
+    phase = psi + here @ response.T
+    score = np.cos(phase).sum(axis=1)
+    climbing = np.arange(len(places))
+    diagonal = np.arange(response.shape[1])
     for _ in range(POLISH_STEPS):
+        at = phase[climbing]
         # Where a cosine is low its curvature points the wrong way; it is left out.
-        weight = np.maximum(np.cos(phase), 0.0)
-        hessian = (response.T * weight) @ response
-        hessian += np.diag(
-            np.diag(hessian) * damping + 1.0
-        )  # an expected step of 1 holds ill-determined ones
-        step = np.linalg.solve(hessian, -response.T @ np.sin(phase))
-        moved = psi + response @ (here + step)
-        better = float(np.cos(moved).sum())
-        if better <= score:
-            damping *= 10.0
-            continue
-        gain, here, phase, score = better - score, here + step, moved, better
-        damping *= 0.3
-        if gain < 1e-3 * abs(score):
+        hessian = (np.maximum(np.cos(at), 0.0)[:, None] * response.T) @ response
+        # An expected step of 1 holds ill-determined ones.
+        hessian[:, diagonal, diagonal] += hessian[:, diagonal, diagonal] * damping[climbing, None] + 1.0
+        step = np.linalg.solve(hessian, -(np.sin(at) @ response)[..., None])[..., 0]
+        ahead = here[climbing] + step
+        moved = psi + ahead @ response.T
+        better = np.cos(moved).sum(axis=1)
+        up = better > score[climbing]
+        rows, gain = climbing[up], (better - score[climbing])[up]
+        damping[climbing[~up]] *= 10.0
+        damping[rows] *= 0.3
+        here[rows], phase[rows], score[rows] = ahead[up], moved[up], better[up]
+        done = np.isin(climbing, rows[gain < 1e-3 * np.abs(score[rows])])
+        climbing = climbing[~done]
+        if not len(climbing):
             break
     return here

@@ -166,7 +166,7 @@ def _locked(
             rough.append((chance, step, search, lock))
     charge = number * (number + 1) * tried
     for _, step, search, lock in sorted(rough, key=lambda entry: entry[0])[:LOCK_CANDIDATES]:
-        correction = search.polished(lock).correction
+        correction = search.polished([lock])[0].correction
         phase = bit_phase(response.cells.offset + response.gradient @ correction, keys.dither, step)
         reading = Reading.of(lattice.spacing, step, response.cells, keys, phase, charge)
         reading = replace(reading, relief=response.relief)

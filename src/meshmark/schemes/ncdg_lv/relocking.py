@@ -47,5 +47,5 @@ def relocked(
     """Return (phases (n,) after it, best correction (7,) close to where the cells were measured, tried)."""
     phase = bit_phase(cells.offset, keys.dither, step)
     search = LockSearch(2.0 * phase, 4.0 * np.pi / step * gradient, LOCK_EXPECTED, LOCK_RADIUS)
-    correction = search.polished(search.rough(1)[0]).correction
+    correction = search.polished(search.rough(1))[0].correction
     return bit_phase(cells.offset + gradient @ correction, keys.dither, step), correction, search.tried
