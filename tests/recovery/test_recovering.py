@@ -7,9 +7,12 @@ from scipy.spatial.transform import Rotation
 from meshmark.attacks import ATTACKS, Given
 from meshmark.attacks.attack import Attacked
 from meshmark.errors import InputError
+from meshmark.geometry.adjacency import adjacency, unique_edges
+from meshmark.geometry.areas import vertex_normals
 from meshmark.geometry.closest_point import SurfaceIndex
 from meshmark.geometry.weld import Welded, weld
 from meshmark.mesh import Mesh
+from meshmark.recovery.knowing import known_errors
 from meshmark.recovery.miniature import miniature
 from meshmark.recovery.recovering import Recovered, recover
 from tests.shapes import pebble
@@ -99,6 +102,33 @@ def test_points_called_altered_that_are_as_they_were_hardly_move(model, small):
     altered[:200] = True
     found = recover(suspect, altered, small)
     assert error(model, found.points, found.faces) < 0.0015
+
+
+@pytest.mark.parametrize(
+    ("name", "share"), [("smooth_part", 0.05), ("scale_part", 0.02), ("smooth_part", 0.02)]
+)
+def test_what_is_less_than_the_miniature_tells_gets_no_worse_and_is_said(model, name, share):
+    coarse = miniature(model.vertices, model.faces, 140)
+    attacked = ATTACKS[name].apply(model, share, np.random.default_rng(3), Given())
+    suspect, _, found = recovered(attacked, coarse)
+    before, after = error(model, suspect.points, suspect.faces), error(model, found.points, found.faces)
+    assert 0.0 < after <= before
+    assert found.left == 1
+    assert not found.moved.any()
+
+
+def test_a_miniature_is_known_by_its_error_on_intact_parts(model):
+    suspect = weld(model)
+    graph = adjacency(unique_edges(suspect.faces), len(suspect.points))
+    every, sizes = np.arange(len(suspect.points)), np.array([20, 300])
+    own = known_errors(suspect.points, graph, every, (suspect.points, suspect.faces), sizes)
+    assert np.allclose(own, 0.0, atol=1e-9)
+    swollen = suspect.points + 0.01 * vertex_normals(suspect.points, suspect.faces)
+    near = known_errors(suspect.points, graph, every, (swollen, suspect.faces), sizes)
+    assert 0.0 < near[0] < 0.005  # the rim tells most of it
+    noise = 0.01 * np.random.default_rng(0).normal(size=suspect.points.shape)
+    rough = known_errors(suspect.points, graph, every, (suspect.points + noise, suspect.faces), sizes)
+    assert (rough > near).all()
 
 
 def test_inputs_stay_as_they_are_and_the_answer_repeats(model, small):

@@ -12,7 +12,7 @@ from meshmark.geometry.areas import vertex_normals
 from meshmark.geometry.closest_point import SurfaceIndex
 from meshmark.mesh import FloatArray, IntArray
 
-__all__ = ["Drawing"]
+__all__ = ["Drawing", "spreads"]
 
 # Lengths of detail, in edges of the miniature: coarser, the miniature says where points lie; finer, they keep the
 # shape that they have among themselves. From stiff to soft, each for some rounds, fewer where points are many.
@@ -111,6 +111,12 @@ class Drawing:
         fixed = moved.copy()
         fixed[rows] = 0.0
         return np.asarray(columns.T @ (along - self.walk @ fixed))
+
+
+def spreads(part: IntArray, squares: FloatArray, count: int) -> FloatArray:
+    """Return (count,): the root of the mean of the `squares` (k,) of each part (k,), 0 where it has none."""
+    size = np.maximum(np.bincount(part, minlength=count), 1)
+    return np.asarray(np.sqrt(np.bincount(part, squares, count) / size))
 
 
 def _length(points: FloatArray, edges: IntArray) -> float:

@@ -17,14 +17,18 @@ from meshmark.geometry.weld import Welded
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.recovery.borders import border_edges
 from meshmark.recovery.filling import fill_holes
+from meshmark.recovery.knowing import known_errors
 from meshmark.recovery.miniature import read_miniature
-from meshmark.recovery.moving import Drawing
+from meshmark.recovery.moving import Drawing, spreads
 from meshmark.recovery.placing import place_miniature
 
 __all__ = ["Recovered", "recover"]
 
-# A part that lies off the miniature by less than this share of what the intact part does is as it was.
+# A part of its own that lies off the miniature by less than this share of what the intact part does is as it was;
 AS_IT_WAS = 0.7
+# one that hangs together with the rest where it is off by so many times what intact parts of its size are. From the
+# other number on it goes all the way back, below less far (Wiener's share), as the miniature may be as wrong.
+UNTOLD, SURE = 1.1, 3.0
 # A part is cut out where it cannot be drawn back: this share of its faces turn over.
 TURNED = 0.1
 # A part is the rim of a hole that has more than this share of its points on a border.
@@ -37,7 +41,8 @@ class Recovered:
     """A recovered surface of q points.
 
     points: (q, 3); faces: (m, 3). origin: (q,) the point of the suspect that each one was, -1 for one that is new.
-    moved: (q,) whether a point that was there lies elsewhere; added: (m,) whether a face is new.
+    moved: (q,) whether a point that was there lies elsewhere; added: (m,) whether a face is new. left: how many
+    altered parts stay as they are, since the miniature is itself off by about as much.
     """
 
     points: FloatArray
@@ -45,6 +50,7 @@ class Recovered:
     origin: IntArray
     moved: NDArray[np.bool_]
     added: NDArray[np.bool_]
+    left: int
 
 
 def recover(suspect: Welded, altered: NDArray[np.bool_], miniature: bytes) -> Recovered:
@@ -62,12 +68,12 @@ def recover(suspect: Welded, altered: NDArray[np.bool_], miniature: bytes) -> Re
     intact = np.flatnonzero(used & ~altered)
     pose = place_miniature((places, mini_faces), suspect.points, suspect.faces, intact)
     mini = (pose(places), mini_faces)
-    points, cut, torn = _drawn_back(suspect, altered & used, intact, mini)
+    points, cut, torn, left = _drawn_back(suspect, altered & used, intact, mini)
     out = cut[suspect.faces].any(axis=1)
     torn[suspect.faces[out]] = True
     filled = fill_holes(points, suspect.faces[~out], altered | torn, torn, mini)
     places = _blended(filled.points, filled.faces, len(points), mini)
-    return _result(suspect, places, filled.faces, int((~out).sum()), used)
+    return _result(suspect, places, filled.faces, int((~out).sum()), used, left)
 
 
 def _blended(points: FloatArray, faces: IntArray, old: int, mini: tuple[FloatArray, IntArray]) -> FloatArray:
@@ -81,32 +87,36 @@ def _blended(points: FloatArray, faces: IntArray, old: int, mini: tuple[FloatArr
 
 def _drawn_back(
     suspect: Welded, altered: NDArray[np.bool_], intact: IntArray, mini: tuple[FloatArray, IntArray]
-) -> tuple[FloatArray, NDArray[np.bool_], NDArray[np.bool_]]:
-    """Return the points after each altered part was drawn back, which ones are to be cut out, and rims of holes.
+) -> tuple[FloatArray, NDArray[np.bool_], NDArray[np.bool_], int]:
+    """Return the points after each altered part was drawn back, which ones are to be cut out, rims of holes, and
+    how many parts stay as they are.
 
-    A part that is mostly border is what is left around a hole, which nobody moved.
+    A part that is mostly border is what is left around a hole, which nobody moved. What differs by no more than the
+    miniature itself is off stays as it is.
     """
     graph = adjacency(unique_edges(suspect.faces), len(suspect.points))
     part = _parts(graph, altered)
     drawing = Drawing(suspect.points, suspect.faces, graph, altered, mini)
     some = intact[:: max(len(intact) // MOST_JUDGES, 1)]
     usual = float(np.sqrt(np.mean(drawing.index.nearest(suspect.points[some]).distances ** 2)))
-    off = np.zeros(len(altered))
-    off[altered] = drawing.off()
     size = np.bincount(part[altered], minlength=int(part.max(initial=-1)) + 1)
-    spread = np.sqrt(np.bincount(part[altered], off[altered] ** 2, len(size)) / np.maximum(size, 1))
+    spread = spreads(part[altered], drawing.off() ** 2, len(size))
+    known = known_errors(suspect.points, graph, intact, mini, size)
     tied = np.zeros(len(size), bool)
     tied[part[altered & (np.asarray(graph @ (~altered).astype(float)) > 0.0)]] = True
     border = np.zeros(len(altered), bool)
     border[border_edges(suspect.faces)] = True
     rim = np.bincount(part[altered], border[altered], len(size)) > RIM * size
-    keep = (spread <= AS_IT_WAS * usual) | (rim & tied)
+    keep = np.where(tied, spread <= UNTOLD * known, spread <= AS_IT_WAS * usual) | (rim & tied)
     moving = altered & (~keep & tied)[part]
-    points = drawing.draw(moving)
+    told = 1.0 - (known / np.maximum.reduce([spread, known, np.full(len(size), 1e-300)])) ** 2
+    told = np.clip(told / (1.0 - SURE**-2), 0.0, 1.0)
+    points = suspect.points + told[part][:, None] * (drawing.draw(moving) - suspect.points)
     turned = _turned(points, suspect.faces, moving, drawing.index, mini)
     share = np.bincount(part[altered], turned[altered], len(size)) / np.maximum(size, 1)
     cut = altered & ((~keep & ~tied) | (share > TURNED))[part]
-    return np.where(cut[:, None], suspect.points, points), cut, altered & rim[part]
+    left = int((keep & tied & ~rim & (size > 0)).sum())
+    return np.where((moving & ~cut)[:, None], points, suspect.points), cut, altered & rim[part], left
 
 
 def _parts(graph: csr_array, altered: NDArray[np.bool_]) -> IntArray:
@@ -137,7 +147,7 @@ def _turned(
 
 
 def _result(
-    suspect: Welded, points: FloatArray, faces: IntArray, old: int, used: NDArray[np.bool_]
+    suspect: Welded, points: FloatArray, faces: IntArray, old: int, used: NDArray[np.bool_], left: int
 ) -> Recovered:
     kept = np.zeros(len(points), bool)
     kept[: len(used)] = ~used  # loose points stay
@@ -147,4 +157,4 @@ def _result(
     moved = np.zeros(len(places), bool)
     there = origin >= 0
     moved[there] = (places[there] != suspect.points[origin[there]]).any(axis=1)
-    return Recovered(places, (np.cumsum(kept) - 1)[faces], origin, moved, np.arange(len(faces)) >= old)
+    return Recovered(places, (np.cumsum(kept) - 1)[faces], origin, moved, np.arange(len(faces)) >= old, left)

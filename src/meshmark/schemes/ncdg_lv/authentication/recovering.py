@@ -26,6 +26,7 @@ from meshmark.schemes.ncdg_lv.threads import on_one_thread
 __all__ = ["Recovery", "recover"]
 
 
+_LEFT = "What differs by no more than the miniature itself is off is left as it is."
 _OPEN = "A hole is left open that meets a border of the model's own, or for which the miniature has nothing."
 
 
@@ -97,6 +98,8 @@ def recover(mesh: Mesh, key: Key, *, reference: Certificate | Mesh | None = None
     advice = "The altered parts are back as the miniature has them."
     if _left_open(found, made):
         advice += f" {_OPEN}"
+    if made.left:
+        advice += f" {_LEFT}"
     lost = losses(whole)
     if lost:
         advice += f" Its file cannot keep with other faces: {', '.join(lost)}."
