@@ -20,7 +20,7 @@ from meshmark.schemes.ncdg_lv.authentication.candidates import level_of, room
 from meshmark.schemes.ncdg_lv.authentication.checks import Checks, check
 from meshmark.schemes.ncdg_lv.authentication.localisation import altered_points
 from meshmark.schemes.ncdg_lv.authentication.marks import Marked, mark, plan
-from meshmark.schemes.ncdg_lv.authentication.precision import precision_of
+from meshmark.schemes.ncdg_lv.authentication.precision import precision_of, precisions_of
 from tests.shapes import hoop, pebble
 
 KEY, OTHER = Key(bytes(range(32))), Key(bytes(range(1, 33)))
@@ -257,5 +257,12 @@ def test_precision_is_that_of_the_file_and_of_benign_exports() -> None:
     large = Mesh(mesh.vertices * 1e4, mesh.faces)
     assert precision_of(large) >= 1e4 * 2.0**-24
     assert precision_of(mesh, "tolerant") >= 2.0**-17
+    stray = np.concatenate([mesh.vertices, [[1e6, 1e6, 1e6]]])
+    for tolerance in (None, "strict"):
+        assert precisions_of(Mesh(stray, mesh.faces), tolerance) == precisions_of(mesh, tolerance)
+    far = precisions_of(Mesh(mesh.vertices + 1e5, mesh.faces))
+    assert far[-2].error >= 1e5 * 2.0**-24
+    assert far[-1].error == pytest.approx(precisions_of(mesh)[-1].error, rel=0.5)
+    assert far[-1].remark is not None
     with pytest.raises(InputError, match="strict, tolerant"):
         precision_of(mesh, "loose")

@@ -8,7 +8,7 @@ import numpy as np
 
 from meshmark.errors import InputError
 from meshmark.io.save import conform
-from meshmark.mesh import Mesh
+from meshmark.mesh import FloatArray, Mesh
 from meshmark.schemes.ncdg_lv.authentication.parameters import FAR_AWAY
 
 __all__ = ["TOLERANCES", "Precision", "precision_of", "precisions_of"]
@@ -40,8 +40,8 @@ def precisions_of(mesh: Mesh, tolerance: str | None = None) -> tuple[Precision, 
     """Return what may be chosen for a model, coarsest first.
 
     None: what the model's own file, six decimals, floats of 32 bits after a similarity transform, and an export
-    with six significant digits round; the last of these where it costs no needed payload, decimals where there is
-    room. Raises `InputError` for an unknown tolerance.
+    with six significant digits round; the last of these where it costs no needed payload, decimals and the distance
+    from the origin where there is room. Raises `InputError` for an unknown tolerance.
     """
     if tolerance is not None:
         return (Precision(precision_of(mesh, tolerance)),)
@@ -52,6 +52,9 @@ def precisions_of(mesh: Mesh, tolerance: str | None = None) -> tuple[Precision, 
     if floats < strict:
         remark = "the model is so small that the marks of authentication need more than six decimals"
         chosen.append(Precision(floats, remark=f"{remark}: in exports with fewer it is called altered"))
+    if (near := _near(mesh)) < floats:
+        remark = "the model lies so far from its origin that the marks of authentication need double precision"
+        chosen.append(Precision(near, remark=f"{remark}: in exports with less it is called altered"))
     return tuple(chosen)
 
 
@@ -67,27 +70,39 @@ def precision_of(mesh: Mesh, tolerance: str = "strict") -> float:
     strict = max(_DECIMALS, _floats(mesh))
     if tolerance == "strict":
         return strict
-    digits = 0.5 * 10.0 ** (np.ceil(np.log10(float(np.abs(mesh.vertices).max()))) - 6.0)
+    digits = 0.5 * 10.0 ** (np.ceil(np.log10(float(np.abs(_used(mesh)).max()))) - 6.0)
     return max(strict, float(digits), _GRID * float(np.ptp(mesh.vertices, axis=0).max()))
+
+
+def _used(mesh: Mesh) -> FloatArray:
+    """Return the vertices that faces use, all where none does: where the others lie says nothing of the surface."""
+    return np.asarray(mesh.vertices[np.unique(mesh.faces)] if len(mesh.faces) else mesh.vertices)
 
 
 def _floats(mesh: Mesh) -> float:
     """Return what the mesh's own file, and 32-bit floats after a similarity transform, round."""
-    extent = np.ptp(mesh.vertices, axis=0)
-    diagonal = float(np.linalg.norm(extent))
-    farthest = float(np.abs(mesh.vertices).max())
-    return max(FAR_AWAY * diagonal, 2.0 * _FLOAT32 * (farthest + diagonal), _own(mesh, float(extent.max())))
+    used = _used(mesh)
+    diagonal = float(np.linalg.norm(np.ptp(used, axis=0)))
+    farthest = float(np.abs(used).max())
+    return max(_near(mesh), 2.0 * _FLOAT32 * (farthest + diagonal))
+
+
+def _near(mesh: Mesh) -> float:
+    """Return what the mesh's own file, and 32-bit floats of a model at the origin, round."""
+    extent = np.ptp(_used(mesh), axis=0)
+    return max(FAR_AWAY * float(np.linalg.norm(extent)), _own(mesh, float(extent.max())))
 
 
 def _six_digits(mesh: Mesh) -> float:
     """Return what six significant digits round, as an error of all coordinates alike that marks feel as much."""
-    size = np.maximum(np.abs(mesh.vertices), np.finfo(float).tiny)
+    size = np.maximum(np.abs(_used(mesh)), np.finfo(float).tiny)
     half = 0.5 * 10.0 ** (np.floor(np.log10(size)) - 5.0)
     felt = np.sqrt((half**2).mean(axis=1))
     return float(np.quantile(felt, _MOST)) / _FELT
 
 
 def _own(mesh: Mesh, size: float) -> float:
-    """Return how far the mesh's file moves coordinates that it is given."""
+    """Return how far the mesh's file moves coordinates of the surface that it is given."""
     nudged = mesh.vertices + size * 1e-4 * np.sin(np.arange(mesh.vertices.size)).reshape(-1, 3)
-    return float(np.abs(conform(mesh, nudged) - nudged).max())
+    off = np.abs(conform(mesh, nudged) - nudged)
+    return float((off[np.unique(mesh.faces)] if len(mesh.faces) else off).max())
