@@ -53,7 +53,9 @@ def precisions_of(mesh: Mesh, tolerance: str | None = None) -> tuple[Precision, 
         remark = "the model is so small that the marks of authentication need more than six decimals"
         chosen.append(Precision(floats, remark=f"{remark}: in exports with fewer it is called altered"))
     if (near := _near(mesh)) < floats:
-        remark = "the model lies so far from its origin that the marks of authentication need double precision"
+        remark = (
+            "the model lies so far from its origin that the marks of authentication need double precision"
+        )
         chosen.append(Precision(near, remark=f"{remark}: in exports with less it is called altered"))
     return tuple(chosen)
 
