@@ -8,6 +8,7 @@ from meshmark.schemes.ncdg_lv.scheme import NcdgLv, NcdgLvCertificate, NcdgLvOri
 from meshmark.schemes.outside import ENTRY_POINTS, FILE_ENDING, file_digest, load_file, load_point, points
 from meshmark.schemes.rivals.adf import Adf
 from meshmark.schemes.rivals.cho import ChoMean, ChoVariance
+from meshmark.schemes.rivals.deep3d.scheme import Deep3d
 from meshmark.schemes.rivals.fcm import Fcm
 from meshmark.schemes.rivals.laplace_beltrami import LaplaceBeltrami
 from meshmark.schemes.rivals.lsb import Lsb
@@ -31,6 +32,7 @@ OWN: dict[str, Callable[[], Scheme]] = {
     "fcm": Fcm,
     "spectral": Spectral,
     "volume_moments": VolumeMoments,
+    "deep3d": Deep3d,
 }
 
 

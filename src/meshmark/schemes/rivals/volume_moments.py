@@ -122,7 +122,7 @@ class _Plan:
         reach = change @ toward
         reach += STIFF * np.trace(reach) / reader.length * np.eye(reader.length)
         self.heights = np.linalg.solve(reach, toward.T).T
-        self.cost: FloatArray = np.linalg.inv(reach)
+        self.cost = np.asarray(np.linalg.inv(reach), np.float64)
 
     def _shares(self, points: FloatArray, solid: Solid) -> FloatArray:
         axes = solid.axes()
