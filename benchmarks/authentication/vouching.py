@@ -63,7 +63,8 @@ class Vouching:
         self.sure = np.zeros(len(points), bool)
         self._group, self._row = np.full((2, len(points)), -1)
         for number, (group, shape) in enumerate(parts):
-            self.sure[group.vertex] = eligible(shape, setting.unit, setting.layout.levels, _MARGIN)
+            firm = eligible(shape, setting.unit, setting.layout.levels, _MARGIN)
+            self.sure[group.vertex] = firm & swept.able[group.vertex]
             self._group[group.vertex] = number
             self._row[group.vertex] = np.arange(len(group.vertex))
         spread = np.concatenate([shape.spread for shape in shapes])

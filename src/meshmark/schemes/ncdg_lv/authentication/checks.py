@@ -16,6 +16,7 @@ from meshmark.schemes.ncdg_lv.authentication.candidates import (
     PAYLOAD,
     PLACE,
 )
+from meshmark.schemes.ncdg_lv.authentication.payload import SymbolSource
 from meshmark.schemes.ncdg_lv.authentication.placement import Evidence, Scale, in_place
 from meshmark.schemes.ncdg_lv.authentication.reading import chance_of
 from meshmark.schemes.ncdg_lv.authentication.search import likeliest_setting
@@ -38,8 +39,8 @@ class Checks:
     points that carry them. symbol_bits: of each. step: that of a ring of spread 1, in scene units, as far as the
     marks tell it, 0 where there are none. log10_chance: bound on the chance that so many marks hold without the
     key. torn: (p,) on a boundary now, though a mark next to it says that it was not. scale: of the marked model.
-    stray_index, stray_value: (s,) payload symbols of all marks that hold, also of those which the map does not
-    believe; more of them are wrong.
+    stray_index, stray_value, stray_vertex: (s,) payload symbols of all marks that hold, also of those which the map
+    does not believe; more of them are wrong.
     """
 
     eligible: NDArray[np.bool_]
@@ -56,12 +57,14 @@ class Checks:
     scale: Scale
     stray_index: NDArray[np.uint32]
     stray_value: NDArray[np.uint16]
+    stray_vertex: IntArray
 
 
-def check(surface: Welded, key: Key, nonce: int | None = None) -> Checks:
+def check(surface: Welded, key: Key, nonce: int | None = None, payload: SymbolSource | None = None) -> Checks:
     """Try every point's ring for a mark of this key.
 
-    nonce: the model's id; None: the one that the marks themselves tell.
+    nonce: the model's id; None: the one that the marks themselves tell. payload: its symbols, where they are known;
+    a mark that says another one does not hold.
     """
     points, faces = surface.points, surface.faces
     rings = ordered_rings(faces, len(points))
@@ -70,7 +73,7 @@ def check(surface: Welded, key: Key, nonce: int | None = None) -> Checks:
     if setting is None:
         return _nothing(len(points))
     layout = setting.layout
-    swept = sweep(points, list(zip(rings, shapes, strict=True)), setting, key, nonce)
+    swept = sweep(points, list(zip(rings, shapes, strict=True)), setting, key, nonce, payload)
     if swept is None:
         return _nothing(len(points))
     found, read = swept.found, swept.read
@@ -112,6 +115,7 @@ def check(surface: Welded, key: Key, nonce: int | None = None) -> Checks:
         scale,
         found.index[stray],
         read.symbol[stray].astype(np.uint16),
+        found.vertex[stray],
     )
 
 
@@ -172,4 +176,5 @@ def _nothing(count: int) -> Checks:
         Scale(),
         np.empty(0, np.uint32),
         np.empty(0, np.uint16),
+        np.empty(0, np.int64),
     )

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from meshmark.coding.keys import Key
 from meshmark.mesh import FloatArray, IntArray
-from meshmark.schemes.ncdg_lv.authentication.candidates import HEADER, Candidates
+from meshmark.schemes.ncdg_lv.authentication.candidates import HEADER, PAYLOAD, Candidates
 from meshmark.schemes.ncdg_lv.authentication.parameters import LAYOUTS, LEVELS, Layout
+from meshmark.schemes.ncdg_lv.authentication.payload import SymbolSource
 from meshmark.schemes.ncdg_lv.authentication.symbols import header_symbols
 from meshmark.schemes.ncdg_lv.authentication.words import bind, symbols_at
 
@@ -33,12 +34,15 @@ class Read:
     torn: NDArray[np.bool_]
 
 
-def read_marks(found: Candidates, key: Key, layout: Layout, nonce: int | None) -> Read:
+def read_marks(
+    found: Candidates, key: Key, layout: Layout, nonce: int | None, payload: SymbolSource | None = None
+) -> Read:
     """Return which candidates are marks; those of headers alone where the nonce (the model's id) is unknown.
 
     Marks lie as near to whole places as the file's precision lets them; how near that is, the marks tell. What lies
     farther off holds by chance, or was moved by less than a step. A mark beside a boundary that would hold if there
     were none is a mark beside a hole that was made.
+    payload: where its symbols are known, a mark that says another one does not hold.
     """
     off = np.abs(found.place - found.whole).max(axis=1)
     symbol = np.zeros(len(off), np.int64)
@@ -46,7 +50,7 @@ def read_marks(found: Candidates, key: Key, layout: Layout, nonce: int | None) -
     last, window = -1.0, _WINDOW
     while window > last:  # a narrow window first: few files need more
         rows = np.flatnonzero((off > last) & (off <= window))
-        symbol[rows], holds[rows], torn[rows] = _read(found.take(rows), key, layout, nonce)
+        symbol[rows], holds[rows], torn[rows] = _read(found.take(rows), key, layout, nonce, payload)
         last = window
         window = window_of(off[holds])
     holds &= off <= window
@@ -59,7 +63,7 @@ def window_of(off: FloatArray) -> float:
 
 
 def _read(
-    found: Candidates, key: Key, layout: Layout, nonce: int | None
+    found: Candidates, key: Key, layout: Layout, nonce: int | None, payload: SymbolSource | None
 ) -> tuple[IntArray, NDArray[np.bool_], NDArray[np.bool_]]:
     """Return the symbols (c,) of the whole places, whether they hold, and whether only without a boundary."""
     whole = found.whole
@@ -72,6 +76,9 @@ def _read(
     if nonce is not None:
         header = found.kind == HEADER
         holds[header] &= symbol[header] == header_symbols(found.index[header], nonce, layout.symbol)
+    if payload is not None:
+        rows = np.flatnonzero(holds & (found.kind == PAYLOAD))
+        holds[rows] = symbol[rows] == payload(found.index[rows])
     return symbol, holds, torn
 
 

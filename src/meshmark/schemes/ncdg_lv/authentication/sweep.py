@@ -19,6 +19,7 @@ from meshmark.schemes.ncdg_lv.authentication.candidates import (
     joined,
     level_of,
 )
+from meshmark.schemes.ncdg_lv.authentication.payload import SymbolSource
 from meshmark.schemes.ncdg_lv.authentication.reading import Read, read_marks
 from meshmark.schemes.ncdg_lv.authentication.search import Setting, all_candidates, plain_candidates
 from meshmark.schemes.ncdg_lv.authentication.symbols import read_header
@@ -48,12 +49,19 @@ class Sweep:
     rounded: bool
 
 
-def sweep(points: FloatArray, parts: _Parts, setting: Setting, key: Key, nonce: int | None) -> Sweep | None:
+def sweep(
+    points: FloatArray,
+    parts: _Parts,
+    setting: Setting,
+    key: Key,
+    nonce: int | None,
+    payload: SymbolSource | None = None,
+) -> Sweep | None:
     """Return what the rings of points (p, 3) say, None where no model's id is given or told.
 
     A mark's plain reading may be off where a length was rounded across a boundary: then its ring has no voucher.
     So all ways are tried for points without a voucher and for those next to them, which are few in an intact model.
-    In a file of few digits their next whole places are tried as well.
+    In a file of few digits their next whole places are tried as well. payload: see `read_marks`.
     """
     able = np.zeros(len(points), bool)
     for group, shape in parts:
@@ -63,7 +71,7 @@ def sweep(points: FloatArray, parts: _Parts, setting: Setting, key: Key, nonce: 
     held = np.zeros(len(points), bool)
     told = _told(found, key, setting) if nonce is None else nonce
     if told is not None:
-        read = read_marks(found, key, setting.layout, told)
+        read = read_marks(found, key, setting.layout, told, payload)
         held[found.vertex[read.holds & ~read.torn]] = True
     again = _around(parts, able & ~vouched(parts, held))
     if told is None or again.any():
@@ -76,7 +84,7 @@ def sweep(points: FloatArray, parts: _Parts, setting: Setting, key: Key, nonce: 
         told = _told(found, key, setting) if nonce is None else nonce
         if told is None:
             return None
-        read = read_marks(found, key, setting.layout, told)
+        read = read_marks(found, key, setting.layout, told, payload)
     rounded = bool(read.holds.any() and np.median(read.off[read.holds]) > _ROUNDED)
     if rounded:
         held[:] = False
@@ -84,7 +92,7 @@ def sweep(points: FloatArray, parts: _Parts, setting: Setting, key: Key, nonce: 
         again = _around(parts, able & ~vouched(parts, held))
         first = len(found.vertex)
         found = joined([found, beside(found.take(again[found.vertex]), _NEAR)])
-        read = read_marks(found, key, setting.layout, told)
+        read = read_marks(found, key, setting.layout, told, payload)
         lucky = read.torn & (np.arange(len(found.vertex)) >= first)  # so many tries would make holes
         read = replace(read, holds=read.holds & ~lucky, torn=read.torn & ~lucky)
     return Sweep(found, read, told, able, rounded)
