@@ -93,6 +93,21 @@ def test_coding_gives_the_faces_back_in_place():
     assert turned_first(named_as_before(found, known, places)) == turned_first(faces)
 
 
+@pytest.mark.parametrize("away", [3.0, 40.0, 2000.0])
+def test_parts_far_from_the_rest_come_back_in_place(away):
+    points, faces = pebble(40)
+    small, others = pebble(20)
+    both = (
+        np.concatenate([points, 0.3 * small + [away, 0.0, 0.0]]),
+        np.concatenate([faces, others + len(points)]),
+    )
+    canonical = canonical_frame(*both).to_canonical(both[0])
+    places, corners = read_miniature(miniature(*both, 500))
+    off = SurfaceIndex(places, corners).nearest(canonical).distances
+    assert off.max() < 0.2
+    assert np.ptp(places, axis=0) == pytest.approx(np.ptp(canonical, axis=0), abs=0.3)
+
+
 def test_open_and_disagreeing_and_separate_faces_come_back():
     points, faces, _ = sphere_with_a_spike(16)
     rng = np.random.default_rng(1)

@@ -131,6 +131,24 @@ def test_a_miniature_is_known_by_its_error_on_intact_parts(model):
     assert (rough > near).all()
 
 
+def test_a_shell_of_which_nothing_is_left_returns_where_points_are_known_to_be_missing(model):
+    other, faces = pebble(40)
+    both = Mesh(
+        np.concatenate([model.vertices, 0.4 * other + [3.0, 1.0, 0.5]]),
+        np.concatenate([model.faces, faces + len(model.vertices)]),
+    )
+    content = miniature(both.vertices, both.faces, len(both.vertices) // 6)
+    suspect, intact = weld(model), np.zeros(len(model.vertices), bool)
+    assert len(recover(suspect, intact, content).faces) == len(model.faces)
+    found = recover(suspect, intact, content, missing=True)
+    assert error(both, found.points, found.faces) < 0.003
+    assert watertight(found.faces)
+    assert not found.moved.any()
+    assert np.array_equal(found.origin >= 0, np.arange(len(found.points)) < len(model.vertices))
+    whole = recover(weld(both), np.zeros(len(both.vertices), bool), content, missing=True)
+    assert not whole.added.any()
+
+
 def test_inputs_stay_as_they_are_and_the_answer_repeats(model, small):
     attacked = ATTACKS["dent"].apply(model, 0.05, np.random.default_rng(6))
     suspect, altered, first = recovered(attacked, small)

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from meshmark.errors import InputError
+from meshmark.errors import CapacityError, InputError
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.recovery.range_coder import Decoder, Encoder, Model
 
@@ -21,6 +21,8 @@ __all__ = ["decode_mesh", "encode_mesh"]
 NOTHING, NEW, KNOWN = 0, 1, 2
 # Ranks beyond these are written as plain numbers of so many bits.
 RANKS, PLAIN = 7, 16
+# The first points of a part are written plainly; how many bits they need is written once, in so many.
+REACH = 4
 # Distance of the nearest known point from the predicted place, in edge lengths: contexts of the models.
 NEAR = (0.35, 0.6, 0.9, 1.3)
 LENGTHS = 18
@@ -108,12 +110,19 @@ def _unit(vector: FloatArray) -> FloatArray:
 
 
 def encode_mesh(places: FloatArray, faces: IntArray, bits: int) -> bytes:
-    """Return the bytes of a mesh; places: (p, 3) in quantiser steps, about +-2^(bits - 1); faces: (m, 3).
+    """Return the bytes of a mesh; places: (p, 3) in quantiser steps, most within +-2^(bits - 1); faces: (m, 3).
 
     A point comes back within half a step along each axis. Faces that share an edge with two others, or disagree
-    with their neighbour about the side, come back, too, as seeds of their own.
+    with their neighbour about the side, come back, too, as seeds of their own. Raises `CapacityError` for places of
+    2^15 steps and more.
     """
     walk, out = _Walk(bits), Encoder()
+    reach = int(np.abs(np.rint(places)).max(initial=0.0)).bit_length()
+    if reach >> REACH:
+        raise CapacityError(
+            "parts of the model lie too far from each other for a miniature, expected nearer ones"
+        )
+    out.bits(reach, REACH)
     left = {tuple(int(corner) for corner in face) for face in faces}
     over: dict[tuple[int, int], list[tuple[int, int, int]]] = {}
     for a, b, c in sorted(left):
@@ -126,7 +135,7 @@ def encode_mesh(places: FloatArray, faces: IntArray, bits: int) -> bytes:
             continue
         left.discard(seed)
         out.symbol(walk.models.more, 0)
-        corners = [_encode_seed(out, walk, number, back, places, corner, bits) for corner in seed]
+        corners = [_encode_seed(out, walk, number, back, places, corner, reach) for corner in seed]
         walk.add_face(*corners)
         for a, b, across in walk.next_gates():
             face = next((f for f in over.get((back[a], back[b]), []) if _as_set(f, left)), None)
@@ -150,7 +159,7 @@ def _encode_seed(
     back: list[int],
     places: FloatArray,
     corner: int,
-    bits: int,
+    reach: int,
 ) -> int:
     if corner in number:
         out.bits(1, 1)
@@ -158,9 +167,8 @@ def _encode_seed(
         return number[corner]
     out.bits(0, 1)
     whole = np.rint(places[corner]).astype(int)
-    limit = 1 << bits
     for value in whole:
-        out.bits(int(np.clip(value + limit, 0, 2 * limit - 1)), bits + 1)
+        out.bits(int(value + (1 << reach)), reach + 1)
     number[corner] = walk.add_point(whole.astype(float))
     back.append(corner)
     return number[corner]
@@ -214,8 +222,9 @@ def _encode_number(out: Encoder, models: _Models, axis: int, value: int) -> None
 def decode_mesh(content: bytes, bits: int) -> tuple[FloatArray, IntArray]:
     """Return places (p, 3) and faces (m, 3); raises `InputError` for damaged content."""
     walk, read = _Walk(bits), Decoder(content)
+    reach = read.bits(REACH)
     while read.symbol(walk.models.more) == 0:
-        walk.add_face(*(_decode_seed(read, walk, bits) for _ in range(3)))
+        walk.add_face(*(_decode_seed(read, walk, reach) for _ in range(3)))
         for gate in walk.next_gates():
             tip = _decode_gate(read, walk, gate)
             if tip is not None:
@@ -227,11 +236,10 @@ def decode_mesh(content: bytes, bits: int) -> tuple[FloatArray, IntArray]:
     return walk.places[: walk.count].copy(), np.array(walk.faces, np.int64).reshape(-1, 3)
 
 
-def _decode_seed(read: Decoder, walk: _Walk, bits: int) -> int:
+def _decode_seed(read: Decoder, walk: _Walk, reach: int) -> int:
     if read.bits(1):
         return _known(walk, read.bits(PLAIN))
-    limit = 1 << bits
-    return walk.add_point(np.array([float(read.bits(bits + 1) - limit) for _ in range(3)]))
+    return walk.add_point(np.array([float(read.bits(reach + 1) - (1 << reach)) for _ in range(3)]))
 
 
 def _decode_gate(read: Decoder, walk: _Walk, gate: tuple[int, int, int]) -> int | None:

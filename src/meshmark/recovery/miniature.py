@@ -65,6 +65,10 @@ def _largest_parts(points: FloatArray, faces: IntArray, count: int) -> tuple[Flo
 
 def _encoded(points: FloatArray, faces: IntArray) -> bytes:
     low, high = BITS
+    largest = float(
+        np.abs(points).max(initial=1.0)
+    )  # parts far away must be within reach of the coder's 16 bits
+    high = max(min(high, 16 - int(np.ceil(np.log2(largest)))), low)
     bits = int(np.clip(np.ceil(np.log2(STEPS_OF_POINT * max(len(points), 1)) + 1.0), low, high))
     return bytes([bits]) + encode_mesh(points * 2.0 ** (bits - 1), faces, bits)
 

@@ -21,6 +21,7 @@ from meshmark.recovery.knowing import known_errors
 from meshmark.recovery.miniature import read_miniature
 from meshmark.recovery.moving import Drawing, spreads
 from meshmark.recovery.placing import place_miniature
+from meshmark.recovery.shells import with_lost_shells
 
 __all__ = ["Recovered", "recover"]
 
@@ -53,11 +54,14 @@ class Recovered:
     left: int
 
 
-def recover(suspect: Welded, altered: NDArray[np.bool_], miniature: bytes) -> Recovered:
+def recover(
+    suspect: Welded, altered: NDArray[np.bool_], miniature: bytes, *, missing: bool = False
+) -> Recovered:
     """Return the suspect with its altered parts as the miniature has them; what is not altered stays bit by bit.
 
     altered: (p,) of the suspect's points. Moved parts are drawn back; parts of their own, and those that cannot be
-    drawn back, are cut out; holes are filled. Raises `InputError` where the mask does not match the suspect, and
+    drawn back, are cut out; holes are filled. missing: points are known to be gone, so shells of which nothing is
+    left are put back. Raises `InputError` where the mask does not match the suspect, and
     where the miniature is damaged or does not fit the rest.
     """
     if altered.shape != (len(suspect.points),):
@@ -73,7 +77,11 @@ def recover(suspect: Welded, altered: NDArray[np.bool_], miniature: bytes) -> Re
     torn[suspect.faces[out]] = True
     filled = fill_holes(points, suspect.faces[~out], altered | torn, torn, mini)
     places = _blended(filled.points, filled.faces, len(points), mini)
-    return _result(suspect, places, filled.faces, int((~out).sum()), used, left)
+    faces = filled.faces
+    if missing:
+        off = SurfaceIndex(*mini).nearest(suspect.points[_few(intact)]).distances
+        places, faces = with_lost_shells(places, faces, mini, float(np.sqrt(np.mean(off**2))))
+    return _result(suspect, places, faces, int((~out).sum()), used, left)
 
 
 def _blended(points: FloatArray, faces: IntArray, old: int, mini: tuple[FloatArray, IntArray]) -> FloatArray:
@@ -97,8 +105,7 @@ def _drawn_back(
     graph = adjacency(unique_edges(suspect.faces), len(suspect.points))
     part = _parts(graph, altered)
     drawing = Drawing(suspect.points, suspect.faces, graph, altered, mini)
-    some = intact[:: max(len(intact) // MOST_JUDGES, 1)]
-    usual = float(np.sqrt(np.mean(drawing.index.nearest(suspect.points[some]).distances ** 2)))
+    usual = float(np.sqrt(np.mean(drawing.index.nearest(suspect.points[_few(intact)]).distances ** 2)))
     size = np.bincount(part[altered], minlength=int(part.max(initial=-1)) + 1)
     spread = spreads(part[altered], drawing.off() ** 2, len(size))
     known = known_errors(suspect.points, graph, intact, mini, size)
@@ -117,6 +124,10 @@ def _drawn_back(
     cut = altered & ((~keep & ~tied) | (share > TURNED))[part]
     left = int((keep & tied & ~rim & (size > 0)).sum())
     return np.where((moving & ~cut)[:, None], points, suspect.points), cut, altered & rim[part], left
+
+
+def _few(intact: IntArray) -> IntArray:
+    return intact[:: max(len(intact) // MOST_JUDGES, 1)]
 
 
 def _parts(graph: csr_array, altered: NDArray[np.bool_]) -> IntArray:

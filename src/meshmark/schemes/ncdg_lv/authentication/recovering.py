@@ -74,28 +74,28 @@ def recover(mesh: Mesh, key: Key, *, reference: Certificate | Mesh | None = None
     found = examine(mesh, key, reference)
     areas = vertex_areas(found.surface.points, found.surface.faces)
     share = float(areas[found.altered].sum() / areas.sum())
-    if found.marked and not found.altered.any() and (found.points_missing or 0) > 0:
-        advice = (
-            "Whole parts are missing, with nothing left that they were joined to; they are not brought back."
-        )
-        return Recovery(None, 0.0, 0, 0, 0, advice, perf_counter() - start)
-    if found.marked and not found.altered.any():
+    missing = (found.points_missing or 0) > 0
+    if found.marked and not found.altered.any() and not missing:
         return Recovery(mesh, 0.0, 0, 0, 0, "Nothing was altered.", perf_counter() - start)
     payload = found.payload
     if payload is None or payload.kind != "miniature":
         return Recovery(None, share, 0, 0, 0, _why_not(found), perf_counter() - start)
     try:
-        made = recover_surface(found.surface, found.altered, payload.content)
+        made = recover_surface(found.surface, found.altered, payload.content, missing=missing)
     except InputError as error:
         return Recovery(None, share, 0, 0, 0, f"It cannot be recovered: {error}.", perf_counter() - start)
     whole, moved, removed = _of_file(mesh, found.surface, made)
     added = int(made.added.sum())
     if not (moved or removed or added):
         advice = "What was altered is less than the miniature tells, or out of its reach."
+        if not found.altered.any():
+            advice = "Whole parts are missing, which the miniature does not have; they are not brought back."
         if _left_open(found, made):
             advice = f"Nothing was brought back. {_OPEN}"
         return Recovery(None, share, 0, 0, 0, advice, perf_counter() - start)
     advice = "The altered parts are back as the miniature has them."
+    if not found.altered.any():
+        advice = "The missing parts are back as the miniature has them."
     if _left_open(found, made):
         advice += f" {_OPEN}"
     if made.left:
