@@ -105,7 +105,27 @@ def test_models_that_cannot_carry_a_mark(cli, files, tmp_path, case):
     name, content = HOLLOW[case]
     (tmp_path / name).write_bytes(content)
     before = snapshot(tmp_path)
-    assert_refused(cli("embed", tmp_path / name, tmp_path / "out.obj", "--key", files.key), tmp_path, before)
+    ran = cli("embed", tmp_path / name, tmp_path / "out.obj", "--key", files.key)
+    assert_refused(ran, tmp_path, before)
+    assert name in ran.err, "the sentence names the file"
+
+
+@pytest.mark.shared
+def test_what_is_refused_of_hostile_files_is_named(cli, files, tmp_path, shared_data):
+    """Small files only, for time."""
+    suffixes = {".off", ".obj", ".ply", ".stl", ".glb", ".gltf", ".3mf", ".gz"}
+    hostile = [
+        path for path in sorted((shared_data / "hostile").rglob("*")) if path.suffix.lower() in suffixes
+    ]
+    refused = 0
+    for path in (path for path in hostile if path.stat().st_size < 200):
+        for line in (("embed", path, tmp_path / "out.ply"), ("recover", path, tmp_path / "out.ply")):
+            ran = cli(*line, "--key", files.key)
+            assert ran.code in (1, 2), ran
+            assert path.name in (ran.err if ran.code == 2 else ran.out)
+            refused += ran.code == 2
+        assert not list(tmp_path.iterdir())
+    assert refused > 60
 
 
 @pytest.mark.parametrize("command", ["extract", "attack", "compare", "saliency", "segment", "info"])
@@ -117,6 +137,7 @@ def test_hollow_models_never_crash_a_command(cli, files, tmp_path, case, command
     ran = cli(*commands(tmp_path / name, tmp_path, files.key)[command])
     if ran.code == 2:
         assert_refused(ran, tmp_path, before)
+        assert name in ran.err, "the sentence names the file"
     else:
         assert "present" not in ran.out.lower().split(":")[0]
         assert ran.err == ""

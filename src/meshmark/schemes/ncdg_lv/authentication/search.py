@@ -74,6 +74,8 @@ def likeliest_setting(
         return None
     middles = np.concatenate([points[group.vertex] for group, _ in sample])
     finest = UNIT * FAR_AWAY * float(np.linalg.norm(np.ptp(middles, axis=0)))
+    if not finest > 0.0:  # a single ring
+        return None
     likely = [np.floor(level_of(shape, finest))[:, None] + np.array(_LIKELY) for _, shape in sample]
     best = _best(points, sample, likely, key, nonce)
     if best is not None and best.log10_chance <= _CLEAR_LOG10 and best.doubt <= _CLEAR:
