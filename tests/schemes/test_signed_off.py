@@ -40,8 +40,20 @@ def test_a_shell_that_is_gone_is_missed(marked):
     assert found.missing_area_fraction == pytest.approx(gone, abs=0.03)
     assert f"{found.points_missing:,} points" in found.advice
     back = recover(left, KEY)
+    assert back.mesh is not None
+    assert "missing parts are back" in back.advice
+    assert np.array_equal(back.mesh.vertices[:count], left.vertices)
+    shell = marked.vertices[count:]
+    assert np.allclose(np.ptp(back.mesh.vertices[count:], axis=0), np.ptp(shell, axis=0), atol=0.05)
+    assert np.allclose(back.mesh.vertices[count:].mean(axis=0), shell.mean(axis=0), atol=0.1)
+
+
+def test_what_the_miniature_does_not_have_is_not_brought_back():
+    mesh = embed(pair(), KEY, id=ID, layers="authentication", payload="none").mesh
+    count = len(pebble()[0])
+    back = recover(Mesh(mesh.vertices[:count], mesh.faces[(mesh.faces < count).all(axis=1)]), KEY)
     assert back.mesh is None
-    assert "Whole parts are missing" in back.advice
+    assert "no miniature" in back.advice
 
 
 def test_a_part_too_fine_for_marks_that_is_added_is_seen(marked):

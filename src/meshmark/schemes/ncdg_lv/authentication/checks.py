@@ -123,16 +123,19 @@ def _torn(rings: list[Rings], vertex: IntArray, whole: NDArray[np.bool_], least:
     """Return (p,): the boundary points next to `least` or more marks `vertex` that know of no boundary there.
 
     Not so where a mark whose ring is `whole` (p,) knows the boundary: then the other one holds by chance. In a
-    rounded file, where the window is wide, one alone may.
+    rounded file, where the window is wide, one alone may; and where it lies next to a whole mark it does, as no two
+    marks are neighbours.
     """
     told = np.zeros(len(whole), np.int64)
     marks = np.zeros(len(whole), bool)
     marks[vertex] = True
+    pairs = _pairs(rings, whole)
+    marks[pairs[:, 1]] = False
     for group in rings:
         own = group.take(marks[group.vertex])
         np.add.at(told, own.around[own.rim], 1)
     torn = told >= least
-    return torn & ~_vouched(_pairs(rings, whole), whole)
+    return torn & ~_vouched(pairs, whole)
 
 
 def _pairs(rings: list[Rings], passed: NDArray[np.bool_]) -> IntArray:
