@@ -22,6 +22,7 @@ from time import perf_counter, process_time
 from benchmarks.authentication import benign, forging, payloads, points, ranking, restoring, tampering
 from benchmarks.authentication.figures import SECONDS, Row, append, load_rows, table
 from benchmarks.authentication.subjects import Subject, subjects
+from meshmark.errors import CapacityError
 
 BARS: dict[str, Callable[[Subject, int | None], Iterator[Row]]] = {
     "benign": benign.measure,
@@ -76,8 +77,7 @@ def _measured(subject: Subject, bars: list[str], draws: dict[str, int], file: Pa
     rows: list[Row] = []
     for bar in bars:
         before = process_time()
-        fits = layers == "both" or bar == "roc"
-        found = list(BARS[bar](subject, draws.get(bar)) if fits else _refused(subject))
+        found = _of_bar(subject, bar, draws.get(bar))
         spent[bar] = process_time() - before
         print(f"  {bar}: {len(found)} rows, {spent[bar]:.1f} s of processor time", flush=True)
         rows += found
@@ -89,9 +89,16 @@ def _measured(subject: Subject, bars: list[str], draws: dict[str, int], file: Pa
     return rows + costs
 
 
-def _refused(subject: Subject) -> Iterator[Row]:
-    """Yield what counts against a model that gets no marks of authentication: it can never be authentic."""
-    yield Row("authentic after a benign operation", subject.name, "no room for the marks", 0.0)
+def _of_bar(subject: Subject, bar: str, draws: int | None) -> list[Row]:
+    """Return the rows of a bar; a model that gets no marks of authentication can never be authentic."""
+    refused = Row("authentic after a benign operation", subject.name, "no room for the marks", 0.0)
+    if subject.marked.layers != "both" and bar != "roc":
+        return [refused]
+    try:
+        return list(BARS[bar](subject, draws))
+    except CapacityError as error:
+        print(f"  {bar}: {error}")
+        return [refused]
 
 
 if __name__ == "__main__":

@@ -228,6 +228,17 @@ def test_a_model_without_room_counts_against_its_bar(subject, monkeypatch, capsy
     assert "no room for the marks 1" in capsys.readouterr().out
 
 
+def test_a_model_that_a_bar_cannot_mark_counts_and_does_not_end_the_run(subject, monkeypatch, capsys):
+    def refuse(*_: object) -> None:
+        raise mm.CapacityError("too coarse")
+
+    monkeypatch.setattr(program, "subjects", lambda *_: iter([subject]))
+    monkeypatch.setitem(program.BARS, "pastes", refuse)
+    monkeypatch.setattr("sys.argv", ["bars", "pastes"])
+    assert program.main() == 1
+    assert "pastes: too coarse" in capsys.readouterr().out
+
+
 class _Found:
     """What `authenticate` says, as far as these bars ask."""
 
