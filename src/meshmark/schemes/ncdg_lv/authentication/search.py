@@ -30,9 +30,9 @@ _LEVEL_DOUBT = 0.05
 # Steps that are tried first: from a little below the finest that models get to eight times that, in levels. What
 # they tell is taken where so many marks hold by chance less often than this, and are that sure of the step.
 _LIKELY = range(-6, 2)
-_CLEAR_LOG10, _CLEAR = -6.0, 0.1
+_CLEAR_LOG10, _CLEAR = -6.0, 0.25
 # Of the marks that hold under one step so many may do so by luck.
-_BY_LUCK = 1
+_BY_LUCK = 3
 _SAME, _NEXT = 1e-9, 0.25
 
 
@@ -132,7 +132,8 @@ def _densest(values: FloatArray) -> tuple[int, int, float, float]:
     counts = np.searchsorted(values, values + 1.0, side="right") - np.arange(len(values))
     best = int(counts.argmax())
     starts = np.concatenate([values, values - 1.0])
-    starts = starts[np.abs(starts - values[best]) <= _NEXT]
+    lowest = values[best + counts[best] - 1] - 1.0  # from here to the first one the same are held
+    starts = starts[(starts >= lowest - _NEXT) & (starts <= values[best] + _NEXT)]
     held = np.searchsorted(values, starts + 1.0 + _SAME, side="right")
     held -= np.searchsorted(values, starts - _SAME)
     good = starts[held >= counts[best] - _BY_LUCK]
