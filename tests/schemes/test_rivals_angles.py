@@ -10,7 +10,9 @@ from meshmark.geometry.adjacency import adjacency, unique_edges
 from meshmark.geometry.frame import canonical_frame
 from meshmark.mesh import Mesh
 from meshmark.schemes.rivals.angles import angles_of, turned
-from meshmark.schemes.rivals.mdaqim import STEPS, Mdaqim
+from meshmark.schemes.rivals.codeword import coded
+from meshmark.schemes.rivals.host import Host
+from meshmark.schemes.rivals.mdaqim import STEPS, Mdaqim, _Plan
 from meshmark.schemes.rivals.traversal import traversal
 from tests.shapes import pebble
 
@@ -85,3 +87,16 @@ def test_what_was_altered_is_where_units_fail(marked):
     touched = np.isin(units, np.arange(100, 140)).any(axis=1)
     assert holds[touched].mean() < 0.6
     assert holds[~touched].mean() > 0.9
+
+
+def test_angles_lie_on_the_lattice_of_the_marked_models_own_frame():
+    """Marking makes the surface rough, which turns its frame: the mark has to be in the frame that is left."""
+    points, faces = pebble(120)
+    mesh = Mesh(points * [0.6, 0.9, 1.5], faces)
+    marked = Host(Mdaqim().embed(mesh, np.zeros(64, np.uint8), KEY))
+    plan = _Plan(Mdaqim(), marked, KEY)
+    angles = angles_of(marked.points[plan.order], canonical_frame(marked.points, marked.faces))
+    bits = coded(np.zeros(64, np.uint8), KEY, 32)[plan.bit]
+    at = angles.values / plan.likeliest_step(angles) - plan.dither - bits / 2.0
+    off = np.delete(at - np.rint(at), plan.last, axis=0)
+    assert np.abs(np.median(off, axis=0)).max() < 0.02

@@ -26,7 +26,7 @@ __all__ = ["Mdaqim"]
 
 # Steps are 2 pi over one of these, so that a full turn holds a whole number of them: the reader tries them all.
 STEPS = 2.0 * np.pi / np.unique(2 * np.rint(30 * 1.08 ** np.arange(72)))
-# Marking moves the frame a little: so often what that spoils is put right.
+# Marking moves the frame a little: so often the marked model's own frame is sought.
 PASSES = 3
 # So many angles tell the step.
 ENOUGH = 8_000
@@ -80,11 +80,12 @@ class Mdaqim(Rival):
     def _quantised(self, host: Host, plan: _Plan, code: Bits, step: float) -> FloatArray:
         points = host.points
         for _ in range(PASSES):
-            angles = _angles(host, points, plan.order)
+            # The model as it was, seen in the frame of the last try: moving that on would turn the frame along.
+            angles = angles_of(host.points[plan.order], canonical_frame(points, host.faces))
             bits = code[plan.bit]
             placed = angles.quantised(bits, plan.dither, step)
             bits[plan.last] = plan.hashes(placed, step)
-            points = turned(points, plan.order, angles.quantised(bits, plan.dither, step))
+            points = turned(host.points, plan.order, angles.quantised(bits, plan.dither, step))
         return points
 
     def _seen(self, host: Host, key: Key, _reference: Any) -> tuple[FloatArray, int]:
