@@ -92,7 +92,7 @@ def moments(mesh: Mesh, keys: int) -> bool:
 
 
 def deep(mesh: Mesh, keys: int) -> bool:
-    print("  deep3d; in brackets the published scheme, without refining")
+    print("  deep3d; under () the published scheme, without refining")
     sets = {
         f"0.{digits} % RMS{told}": (scheme, marks(scheme, mesh, keys, budget))
         for digits, budget in (("08", 8e-4), ("02", 2e-4))
