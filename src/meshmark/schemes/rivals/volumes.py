@@ -93,17 +93,20 @@ def memberships(places: FloatArray, count: int) -> csr_array:
 
     Smooth in the place, with sum 1; the same along a ray.
     """
-    radii = np.linalg.norm(places, axis=1)
+    which, weights = _nearest(places, count)
+    starts = np.arange(0, which.size + 1, MOST)
+    return csr_array((weights.ravel(), which.ravel(), starts), shape=(len(places), count))
+
+
+def _nearest(places: FloatArray, count: int) -> tuple[IntArray, FloatArray]:
+    """Return the directions nearest to each place and how much it belongs to them, (n, MOST) each."""
+    radii = np.sqrt(np.einsum("ij,ij->i", places, places))
     unit = places / np.where(radii > 0.0, radii, 1.0)[:, None]
-    reach = REACH * spacing(count)
-    far, which = directions(count).query(unit, k=MOST, distance_upper_bound=reach)
-    near = np.isfinite(far)
-    weights = np.where(near, np.maximum(1.0 - (np.where(near, far, reach) / reach) ** 2, 0.0) ** 2, 0.0)
+    far, which = directions(count).query(unit, k=MOST)
+    weights = np.maximum(1.0 - (far / (REACH * spacing(count))) ** 2, 0.0) ** 2
     weights[:, 0] += 1e-12  # the nearest has what no direction reaches: a place at the origin
     weights /= weights.sum(axis=1, keepdims=True)
-    rows = np.repeat(np.arange(len(places)), MOST)[near.ravel()]
-    entries = weights.ravel()[near.ravel()], (rows, which.ravel()[near.ravel()])
-    return csr_array(entries, shape=(len(places), count))
+    return np.asarray(which, np.int64), np.asarray(weights)
 
 
 def volumes(points: FloatArray, faces: IntArray, count: int) -> FloatArray:
@@ -122,7 +125,8 @@ def volumes(points: FloatArray, faces: IntArray, count: int) -> FloatArray:
         middles = _middles(2 ** int(level))
         places = np.einsum("qc,fcx->fqx", middles, points[faces[these]]).reshape(-1, 3)
         shares = np.repeat(parts[these] / len(middles), len(middles))
-        total += memberships(places, count).T @ shares
+        which, weights = _nearest(places, count)
+        total += np.bincount(which.ravel(), (weights * shares[:, None]).ravel(), count)
     return total
 
 
