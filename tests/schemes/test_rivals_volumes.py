@@ -92,3 +92,12 @@ def test_a_model_turned_inside_out_is_marked_all_the_same(host):
     bits = np.tile(np.array([1, 0], np.uint8), 32)
     mesh = VolumeMoments().embed(Mesh(host.vertices, host.faces[:, ::-1].copy()), bits, KEY)
     assert np.array_equal(VolumeMoments().extract(mesh, KEY).bits, bits)
+
+
+def test_a_step_that_is_known_is_the_one_that_is_sought(host, marked):
+    bits = np.tile(np.array([0, 1], np.uint8), 32)
+    step = VolumeMoments().step_within(host, bits, KEY, 8e-4)
+    knowing = VolumeMoments(step=step)
+    assert np.array_equal(knowing.embed(host, bits, KEY).vertices, marked.vertices)
+    with pytest.raises(CapacityError, match="the finest step"):
+        VolumeMoments(step=30.0 * step).embed(host, bits, KEY)

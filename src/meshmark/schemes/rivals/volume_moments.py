@@ -14,8 +14,8 @@ from meshmark.coding.keys import Key
 from meshmark.errors import CapacityError
 from meshmark.geometry.areas import vertex_areas_and_normals
 from meshmark.geometry.open_edges import open_edges
-from meshmark.mesh import FloatArray, IntArray
-from meshmark.schemes.rivals.codeword import order_of
+from meshmark.mesh import FloatArray, IntArray, Mesh
+from meshmark.schemes.rivals.codeword import coded, order_of
 from meshmark.schemes.rivals.host import Host
 from meshmark.schemes.rivals.rival import Rival
 from meshmark.schemes.rivals.volumes import Solid, memberships, solid_of, volumes
@@ -41,7 +41,8 @@ TURNS = np.array([(1, 1, 1), (-1, -1, 1), (-1, 1, -1), (1, -1, -1)])
 class VolumeMoments(Rival):
     """Each code bit has patches of directions from the volume's centroid; the volume in them is quantised.
 
-    patches: for each code bit, in a keyed choice.
+    patches: for each code bit, in a keyed choice. step: in means of a bit's volume, where the reader knows it;
+    otherwise it is tuned to the budget, and the reader seeks it.
     """
 
     title = "Volume moments"
@@ -52,8 +53,20 @@ class VolumeMoments(Rival):
     )
     pilots: int = 16
     patches: int = 3
+    step: float | None = None
+
+    def step_within(self, mesh: Mesh, bits: Bits, key: Key, budget: float) -> float:
+        """Return the step at which a mesh carries the bits within a budget, RMS over the diagonal."""
+        return self._tuned(Host(mesh), coded(self._payload(bits), key, self.pilots), key, budget)[0]
+
+    @property
+    def _steps(self) -> FloatArray:
+        return STEPS if self.step is None else np.array([self.step])
 
     def _placed(self, host: Host, code: Bits, key: Key, budget: float) -> FloatArray:
+        return self._tuned(host, code, key, budget)[1]
+
+    def _tuned(self, host: Host, code: Bits, key: Key, budget: float) -> tuple[float, FloatArray]:
         if len(open_edges(host.faces, len(host.points))[0]):
             raise CapacityError(
                 f"the model is not closed, {self.title} needs a surface with an inside and an outside"
@@ -62,11 +75,11 @@ class VolumeMoments(Rival):
         if seen is None:
             raise CapacityError(f"the model has no volume, {self.title} needs a solid")
         plan = _Plan(_Reader(self._length, self.patches, key), host, *seen)
-        affordable = (step for step in STEPS if plan.rms(code, float(step)) <= budget)
+        affordable = (step for step in self._steps if plan.rms(code, float(step)) <= budget)
         for step in affordable:
             points = plan.solved(code, float(step))
             if host.rms(points) <= budget:
-                return points
+                return float(step), points
         raise CapacityError(f"the finest step of {self.title} moves the model by more than the budget")
 
     def _seen(self, host: Host, key: Key, _reference: Any) -> tuple[FloatArray, int]:
@@ -78,7 +91,7 @@ class VolumeMoments(Rival):
         solid, axes = found
         for turn in TURNS:
             shares = reader.shares(host.points, host.faces, solid.centre, axes * turn)
-            for step in STEPS:
+            for step in self._steps:
                 phase = bit_phase(shares, reader.dither, float(step))
                 score = float(lock_score(phase))
                 if score > best:
