@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from meshmark.mesh import FloatArray
-from meshmark.segmentation.power_diagram import assign
+from meshmark.segmentation.power_diagram import assign, condensed
 
 __all__ = ["PASSES", "STILL", "settled_centres"]
 
@@ -15,7 +15,12 @@ STILL = 1e-5
 
 
 def settled_centres(points: FloatArray, areas: FloatArray, centres: FloatArray) -> FloatArray:
-    """Return the centres (n, 3) that k-means of points (p, 3) with areas (p,) ends with, started from `centres`."""
+    """Return the centres (n, 3) that k-means of points (p, 3) with areas (p,) ends with, started from `centres`.
+
+    Of many points those in each cube of a fine grid count as one.
+    """
+    still = STILL * float(np.ptp(points, axis=0).max())
+    points, areas = condensed(points, areas)
     none = np.zeros(len(centres))
     for _ in range(PASSES):
         region = assign(points, centres, none)
@@ -23,6 +28,6 @@ def settled_centres(points: FloatArray, areas: FloatArray, centres: FloatArray) 
         sums = np.stack([np.bincount(region, areas * axis, len(centres)) for axis in points.T], axis=1)
         moved = np.where(mass[:, None] > 0.0, sums / np.where(mass, mass, 1.0)[:, None], centres)
         step, centres = float(np.abs(moved - centres).max()), moved
-        if step <= STILL * float(np.ptp(points, axis=0).max()):
+        if step <= still:
             break
     return centres

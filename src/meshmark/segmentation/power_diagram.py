@@ -12,7 +12,7 @@ import numpy as np
 
 from meshmark.mesh import FloatArray, IntArray
 
-__all__ = ["assign", "balanced_weights"]
+__all__ = ["assign", "balanced_weights", "condensed"]
 
 CONDENSED = 6_000
 """Above this many points the weights are first solved on groups of neighbouring points."""
@@ -44,18 +44,19 @@ def balanced_weights(points: FloatArray, masses: FloatArray, seeds: FloatArray) 
     masses = masses / masses.sum()
     size = float(np.ptp(points, axis=0).max()) or 1.0
     points, seeds = points / size, seeds / size
-    grouped, grouped_masses = _condense(points, masses)
+    grouped, grouped_masses = condensed(points, masses)
     weights, stiffness = _anneal(grouped, grouped_masses, seeds)
     return _polish(points, masses, seeds, weights, stiffness) * size**2
 
 
-def _condense(points: FloatArray, masses: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return centres and masses of the points (extent 1) in each cube of a grid, where there are many."""
+def condensed(points: FloatArray, masses: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return centres and masses of the points (p, 3) in each cube of a grid, where there are many."""
     if len(points) <= CONDENSED:
         return points, masses
     low = points.min(axis=0)
     across = int(np.sqrt(CONDENSED / 3.0))  # a surface meets about 3 across^2 of the cubes
-    cube = ((points - low) * across).astype(np.int64)
+    size = float(np.ptp(points, axis=0).max()) or 1.0
+    cube = ((points - low) / size * across).astype(np.int64)
     key = (cube[:, 0] * (across + 1) + cube[:, 1]) * (across + 1) + cube[:, 2]
     _, group = np.unique(key, return_inverse=True)
     total = np.bincount(group, weights=masses).astype(np.float64)
