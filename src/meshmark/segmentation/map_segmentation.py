@@ -94,6 +94,7 @@ def map_regions(points: FloatArray, faces: IntArray, seeds: IntArray) -> Regions
     green = halves(points, faces, areas)
     region = np.empty(len(points), np.int64)
     shares = []
+    points = canonical_frame(points, faces).to_canonical(points)  # groups of points turn with the model
     at = settled_centres(points, areas, points[seeds])
     for half in (green, ~green):
         mass = areas[half]
