@@ -41,7 +41,8 @@ def recover(
         say(f"meshmark: {out.name} cannot hold the model's {', '.join(report.dropped)}")
     words = (
         f"Recovered: {model} -> {out}; {percent(found.altered_area_fraction)} of the surface was altered; "
-        f"{plural(found.vertices_moved, 'vertex/vertices')} moved, {plural(found.faces_added, 'face')} added. "
+        f"{plural(found.vertices_moved, 'vertex/vertices')} moved, "
+        f"{plural(found.vertices_removed, 'vertex/vertices')} cut out, {plural(found.faces_added, 'face')} added. "
         f"{found.advice}"
     )
     answer(words, found.to_dict(), as_json)

@@ -106,8 +106,8 @@ def unmark(mesh: Mesh, key: Key, certificate: Certificate) -> Unmarked:
     faces, positions = plain[8 : 8 + DIGEST_BYTES], plain[8 + DIGEST_BYTES : start]
     if faces != _digest(mesh.faces):
         raise InputError(
-            "the model's faces are not those that were marked, expected the marked model in its own vertex order, "
-            "which other programs and formats may change: in another order it is authentic, but the mark stays on"
+            "the model's faces are not those that were marked, expected this certificate's model in the vertex "
+            "order it was marked in, which other programs and formats may change"
         )
     frame = _frame(mesh, certificate)
     whole = _restored(_expanded(plain[start:], len(mesh.vertices)), _Predictor(mesh, frame))

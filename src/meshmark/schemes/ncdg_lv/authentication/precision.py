@@ -24,6 +24,8 @@ _GRID = 2.0**-17
 # vertices: half a step is 5.7 deviations of the error, and in rounded files a mark is found up to a whole step off.
 _FELT, _MOST = 2.0, 0.95
 
+_NOT_SIX = "an export with six significant digits is called altered: --tolerance tolerant bears it"
+
 
 @dataclass(frozen=True)
 class Precision:
@@ -48,7 +50,7 @@ def precisions_of(mesh: Mesh, tolerance: str | None = None) -> tuple[Precision, 
     strict, floats = precision_of(mesh), _floats(mesh)
     chosen = [Precision(strict)]
     if (digits := _six_digits(mesh)) > strict:
-        chosen.insert(0, Precision(digits, enough=1.0))
+        chosen = [Precision(digits, enough=1.0), Precision(strict, remark=_NOT_SIX)]
     if floats < strict:
         remark = "the model is so small that the marks of authentication need more than six decimals"
         chosen.append(Precision(floats, remark=f"{remark}: in exports with fewer it is called altered"))
