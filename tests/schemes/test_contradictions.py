@@ -27,7 +27,9 @@ def test_marks_that_contradict_the_payload_are_altered_and_no_others(lies):
     surface, precision = weld(mesh), precision_of(mesh)
     planned = plan(surface, KEY, precision)
     index, times = np.unique(planned.payload_index, return_counts=True)
-    source = encoder(pack("bytes", b"a message", whole_of(surface, precision)), planned.symbol_bits, len(index))
+    source = encoder(
+        pack("bytes", b"a message", whole_of(surface, precision)), planned.symbol_bits, len(index)
+    )
     liars = index[times == 1][:: len(index) // 7][:lies]
 
     def symbols(asked: NDArray[np.uint32]) -> NDArray[np.uint16]:
