@@ -2,8 +2,8 @@
 
 python tools/paper_page.py OUT [WORDS.md]
 
-OUT: the folder of the run. WORDS.md: what is to be said first, by default nothing. The section of the paper's tables and
-figures is taken over as it is, its plots copied to docs/images/.
+OUT: the folder of the run. WORDS.md: what is to be said first, by default nothing. The section of the
+paper's tables and figures is taken over as it is, its plots copied to docs/images/.
 """
 
 from __future__ import annotations
