@@ -27,7 +27,7 @@ def elsewhere(tmp_path_factory):
     return packages, models
 
 
-def start(elsewhere, out, *more):
+def start(elsewhere, out, *more, seconds="0.1"):
     packages, models = elsewhere
     command = [sys.executable, "-m", "meshmark", "bench", "smoke", "--schemes", "toy", "--workers", "1"]
     return subprocess.Popen(
@@ -35,7 +35,7 @@ def start(elsewhere, out, *more):
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
-        env={**os.environ, "PYTHONPATH": str(packages), "TOY_SECONDS": "0.1"},
+        env={**os.environ, "PYTHONPATH": str(packages), "TOY_SECONDS": seconds},
         start_new_session=True,
     )
 
@@ -59,7 +59,7 @@ def test_a_scheme_in_one_file_outside_the_package_gets_every_table(elsewhere, tm
 
 @pytest.mark.skipif(sys.platform == "win32", reason="sends a signal to a group")
 def test_an_interrupted_run_says_what_is_kept_and_leaves_no_process(elsewhere, tmp_path):
-    process = start(elsewhere, tmp_path)
+    process = start(elsewhere, tmp_path, seconds="1")  # so slow that it is not done before it is interrupted
     while not list(tmp_path.glob("marked/*.npz")) and process.poll() is None:
         time.sleep(0.02)
     os.killpg(process.pid, signal.SIGINT)  # as a terminal does
