@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from meshmark.geometry.areas import vertex_areas
+from meshmark.geometry.frame import canonical_frame
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.segmentation.centres import PASSES, STILL, settled_centres
 from meshmark.segmentation.map_segmentation import Regions, halves
@@ -52,7 +53,7 @@ def memberships(points: FloatArray, centres: FloatArray) -> FloatArray:
 
 
 def _regions(points: FloatArray, faces: IntArray, areas: FloatArray, region: IntArray, count: int) -> Regions:
-    green = halves(points, faces, areas)
+    green = halves(canonical_frame(points, faces).to_canonical(points), areas)
     shares = []
     for half in (green, ~green):
         held = np.bincount(region[half], areas[half], count)

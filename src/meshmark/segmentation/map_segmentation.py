@@ -69,13 +69,12 @@ def choose_seeds(points: FloatArray, beta: FloatArray, salient: IntArray, count:
     return pool[seeds]
 
 
-def halves(points: FloatArray, faces: IntArray, areas: FloatArray) -> NDArray[np.bool_]:
+def halves(canonical: FloatArray, areas: FloatArray) -> NDArray[np.bool_]:
     """Return (p,): which points lie in the green half, on the positive side of the principal plane.
 
-    The plane goes through the centroid, normal to the principal axis of least extent along which both sides
-    hold a fair part of the area.
+    canonical: (p, 3) canonical coordinates. The plane goes through the centroid, normal to the principal axis of
+    least extent along which both sides hold a fair part of the area.
     """
-    canonical = canonical_frame(points, faces).to_canonical(points)
     green = canonical > 0.0
     share = areas @ green / areas.sum()
     fair = (np.minimum(share, 1.0 - share) >= LEAST_HALF) & (np.ptp(canonical, axis=0) > 1e-6)
@@ -91,10 +90,10 @@ def map_regions(points: FloatArray, faces: IntArray, seeds: IntArray) -> Regions
     half, as compactly as can be (DESIGN section 3). Raises `InputError` where the faces have no area.
     """
     areas = vertex_areas(points, faces)
-    green = halves(points, faces, areas)
+    points = canonical_frame(points, faces).to_canonical(points)  # groups of points turn with the model
+    green = halves(points, areas)
     region = np.empty(len(points), np.int64)
     shares = []
-    points = canonical_frame(points, faces).to_canonical(points)  # groups of points turn with the model
     at = settled_centres(points, areas, points[seeds])
     for half in (green, ~green):
         mass = areas[half]
