@@ -59,7 +59,7 @@ def test_a_scheme_in_one_file_outside_the_package_gets_every_table(elsewhere, tm
 
 @pytest.mark.skipif(sys.platform == "win32", reason="sends a signal to a group")
 def test_an_interrupted_run_says_what_is_kept_and_leaves_no_process(elsewhere, tmp_path):
-    # A shell that runs these tests in the background has all their children ignore Ctrl-C, unless it is handled here.
+    # A shell that runs tests in the background has all children ignore Ctrl-C, unless it is handled here.
     signal.signal(signal.SIGINT, signal.default_int_handler)
     process = start(elsewhere, tmp_path, seconds="1")  # so slow that it is not done before it is interrupted
     while not list(tmp_path.glob("marked/*.npz")) and process.poll() is None:
