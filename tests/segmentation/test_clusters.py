@@ -7,6 +7,7 @@ import pytest
 
 from meshmark.geometry.areas import vertex_areas
 from meshmark.segmentation.clusters import fuzzy_c_means_regions, k_means_regions, memberships
+from meshmark.segmentation.power_diagram import CONDENSED
 from tests.shapes import pebble
 
 POINTS, FACES = pebble()
@@ -44,6 +45,19 @@ def test_clusters_that_lie_apart_are_found_from_any_seed_in_each(cluster):
     faces = np.stack([np.arange(118), np.arange(118) + 1, np.arange(118) + 2], axis=1)
     found = cluster(points, faces, np.array([5, 45, 85]))
     assert np.array_equal(found.region, np.repeat([0, 1, 2], 40))
+
+
+@pytest.mark.parametrize("cluster", [k_means_regions, fuzzy_c_means_regions])
+@pytest.mark.parametrize("across", [72, 130], ids=["each point for itself", "points in groups first"])
+def test_turning_moving_and_resizing_change_nothing(cluster, across):
+    points, faces = pebble(across)
+    assert (len(points) > CONDENSED) == (across == 130)
+    turn = np.linalg.qr(np.random.default_rng(8).normal(size=(3, 3)))[0]
+    turn *= np.sign(np.linalg.det(turn))
+    seeds = np.linspace(0, len(points) - 1, 7).astype(np.int64)
+    one, other = cluster(points, faces, seeds), cluster(points @ turn * 5.0 + 2.0, faces, seeds)
+    assert np.mean(one.region == other.region) > 0.9999
+    assert np.mean(one.green == other.green) > 0.9999
 
 
 def test_memberships_are_bezdeks():

@@ -15,18 +15,22 @@ __all__ = ["fuzzy_c_means_regions", "k_means_regions", "memberships"]
 
 
 def k_means_regions(points: FloatArray, faces: IntArray, seeds: IntArray) -> Regions:
-    """Return the k-means clusters of points (p, 3), weighted by area, started from `seeds` (n,)."""
+    """Return the k-means clusters of points (p, 3), weighted by area, started from `seeds` (n,).
+
+    Raises `InputError` where the faces have no area.
+    """
     areas = vertex_areas(points, faces)
-    centres = settled_centres(points, areas, points[seeds])
-    return _regions(points, faces, areas, assign(points, centres, np.zeros(len(seeds))), len(seeds))
+    points = canonical_frame(points, faces).to_canonical(points)  # groups of points turn with the model
+    return _regions(points, areas, settled_centres(points, areas, points[seeds]))
 
 
 def fuzzy_c_means_regions(points: FloatArray, faces: IntArray, seeds: IntArray) -> Regions:
     """Return for each point the cluster it belongs to most: fuzzy c-means, weighted by area, started from `seeds`.
 
-    Bezdek 1981 with exponent 2.
+    Bezdek 1981 with exponent 2. Raises `InputError` where the faces have no area.
     """
     areas = vertex_areas(points, faces)
+    points = canonical_frame(points, faces).to_canonical(points)
     centres = points[seeds]
     for _ in range(PASSES):
         sums, mass = np.zeros((len(seeds), 3)), np.zeros(len(seeds))
@@ -39,7 +43,7 @@ def fuzzy_c_means_regions(points: FloatArray, faces: IntArray, seeds: IntArray) 
         step, centres = float(np.abs(moved - centres).max()), moved
         if step <= STILL * float(np.ptp(points, axis=0).max()):
             break
-    return _regions(points, faces, areas, assign(points, centres, np.zeros(len(seeds))), len(seeds))
+    return _regions(points, areas, centres)
 
 
 def memberships(points: FloatArray, centres: FloatArray) -> FloatArray:
@@ -52,8 +56,10 @@ def memberships(points: FloatArray, centres: FloatArray) -> FloatArray:
     return np.asarray(share / share.sum(axis=1, keepdims=True))
 
 
-def _regions(points: FloatArray, faces: IntArray, areas: FloatArray, region: IntArray, count: int) -> Regions:
-    green = halves(canonical_frame(points, faces).to_canonical(points), areas)
+def _regions(canonical: FloatArray, areas: FloatArray, centres: FloatArray) -> Regions:
+    count = len(centres)
+    region = assign(canonical, centres, np.zeros(count))
+    green = halves(canonical, areas)
     shares = []
     for half in (green, ~green):
         held = np.bincount(region[half], areas[half], count)
