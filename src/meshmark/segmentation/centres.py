@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from meshmark.mesh import FloatArray
 from meshmark.segmentation.power_diagram import assign, condensed
 
-__all__ = ["PASSES", "STILL", "settled_centres"]
+__all__ = ["settle", "settled_centres"]
 
 PASSES, LAST_PASSES = 60, 8
 """At most; centres that move less than `STILL` times the extent end the passes before."""
 STILL = 1e-5
+
+Held = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
+"""Takes centres (n, 3); returns the sums of places (n, 3) and the masses (n,) that they hold."""
 
 
 def settled_centres(points: FloatArray, areas: FloatArray, centres: FloatArray) -> FloatArray:
@@ -19,22 +24,31 @@ def settled_centres(points: FloatArray, areas: FloatArray, centres: FloatArray) 
 
     Of many points those in each cube of a fine grid count as one at first, then each for itself for a few passes.
     """
-    still = STILL * float(np.ptp(points, axis=0).max())
+    extent = float(np.ptp(points, axis=0).max())
     groups, masses = condensed(points, areas)
-    centres = _settled(groups, masses, centres, still, PASSES)
-    return centres if groups is points else _settled(points, areas, centres, still, LAST_PASSES)
+    centres = settle(_nearest(groups, masses), centres, extent)
+    return centres if groups is points else settle(_nearest(points, areas), centres, extent, LAST_PASSES)
 
 
-def _settled(
-    points: FloatArray, areas: FloatArray, centres: FloatArray, still: float, passes: int
-) -> FloatArray:
-    none = np.zeros(len(centres))
+def settle(held: Held, centres: FloatArray, extent: float, passes: int = PASSES) -> FloatArray:
+    """Return the centres (n, 3) after moving each to the mean of what it holds, until all are still.
+
+    held: what given centres hold; one that holds nothing stays. extent: of all places, which says what is still.
+    passes: at most so many.
+    """
     for _ in range(passes):
-        region = assign(points, centres, none)
-        mass = np.bincount(region, areas, len(centres))
-        sums = np.stack([np.bincount(region, areas * axis, len(centres)) for axis in points.T], axis=1)
+        sums, mass = held(centres)
         moved = np.where(mass[:, None] > 0.0, sums / np.where(mass, mass, 1.0)[:, None], centres)
         step, centres = float(np.abs(moved - centres).max()), moved
-        if step <= still:
+        if step <= STILL * extent:
             break
     return centres
+
+
+def _nearest(points: FloatArray, areas: FloatArray) -> Held:
+    def held(centres: FloatArray) -> tuple[FloatArray, FloatArray]:
+        region = assign(points, centres, np.zeros(len(centres)))
+        mass = np.bincount(region, areas, len(centres)).astype(np.float64)
+        return np.stack([np.bincount(region, areas * axis, len(centres)) for axis in points.T], axis=1), mass
+
+    return held

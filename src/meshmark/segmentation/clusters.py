@@ -7,7 +7,7 @@ import numpy as np
 from meshmark.geometry.areas import vertex_areas
 from meshmark.geometry.frame import canonical_frame
 from meshmark.mesh import FloatArray, IntArray
-from meshmark.segmentation.centres import PASSES, STILL, settled_centres
+from meshmark.segmentation.centres import settle, settled_centres
 from meshmark.segmentation.map_segmentation import Regions, halves
 from meshmark.segmentation.power_diagram import CHUNK, assign
 
@@ -31,19 +31,18 @@ def fuzzy_c_means_regions(points: FloatArray, faces: IntArray, seeds: IntArray) 
     """
     areas = vertex_areas(points, faces)
     points = canonical_frame(points, faces).to_canonical(points)
-    centres = points[seeds]
-    for _ in range(PASSES):
-        sums, mass = np.zeros((len(seeds), 3)), np.zeros(len(seeds))
+
+    def held(centres: FloatArray) -> tuple[FloatArray, FloatArray]:
+        sums, mass = np.zeros(centres.shape), np.zeros(len(centres))
         for start in range(0, len(points), CHUNK):
             part = slice(start, start + CHUNK)
             weight = memberships(points[part], centres) ** 2 * areas[part, None]
             sums += weight.T @ points[part]
             mass += weight.sum(axis=0)
-        moved = np.where(mass[:, None] > 0.0, sums / np.where(mass, mass, 1.0)[:, None], centres)
-        step, centres = float(np.abs(moved - centres).max()), moved
-        if step <= STILL * float(np.ptp(points, axis=0).max()):
-            break
-    return _regions(points, areas, centres)
+        return sums, mass
+
+    extent = float(np.ptp(points, axis=0).max())
+    return _regions(points, areas, settle(held, points[seeds], extent))
 
 
 def memberships(points: FloatArray, centres: FloatArray) -> FloatArray:
