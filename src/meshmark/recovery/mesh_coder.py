@@ -16,13 +16,15 @@ from meshmark.errors import CapacityError, InputError
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.recovery.range_coder import Decoder, Encoder, Model
 
-__all__ = ["decode_mesh", "encode_mesh"]
+__all__ = ["PLACE_BITS", "decode_mesh", "encode_mesh"]
 
 NOTHING, NEW, KNOWN = 0, 1, 2
 # Ranks beyond these are written as plain numbers of so many bits.
 RANKS, PLAIN = 7, 16
 # The first points of a part are written plainly; how many bits they need is written once, in so many.
 REACH = 4
+PLACE_BITS = 2**REACH - 1
+"""Places of so many bits and a sign can be coded."""
 # Distance of the nearest known point from the predicted place, in edge lengths: contexts of the models.
 NEAR = (0.35, 0.6, 0.9, 1.3)
 LENGTHS = 18
@@ -114,11 +116,11 @@ def encode_mesh(places: FloatArray, faces: IntArray, bits: int) -> bytes:
 
     A point comes back within half a step along each axis. Faces that share an edge with two others, or disagree
     with their neighbour about the side, come back, too, as seeds of their own. Raises `CapacityError` for places of
-    2^15 steps and more.
+    2^PLACE_BITS steps and more.
     """
     walk, out = _Walk(bits), Encoder()
     reach = int(np.abs(np.rint(places)).max(initial=0.0)).bit_length()
-    if reach >> REACH:
+    if reach > PLACE_BITS:
         raise CapacityError(
             "parts of the model lie too far from each other for a miniature, expected nearer ones"
         )

@@ -10,7 +10,7 @@ from meshmark.geometry.adjacency import adjacency, unique_edges
 from meshmark.geometry.areas import face_areas
 from meshmark.geometry.frame import canonical_frame
 from meshmark.mesh import FloatArray, IntArray
-from meshmark.recovery.mesh_coder import decode_mesh, encode_mesh
+from meshmark.recovery.mesh_coder import PLACE_BITS, decode_mesh, encode_mesh
 from meshmark.recovery.simplify import simplify
 
 __all__ = ["SMALLEST", "miniature", "read_miniature"]
@@ -65,10 +65,9 @@ def _largest_parts(points: FloatArray, faces: IntArray, count: int) -> tuple[Flo
 
 def _encoded(points: FloatArray, faces: IntArray) -> bytes:
     low, high = BITS
-    largest = float(
-        np.abs(points).max(initial=1.0)
-    )  # parts far away must be within reach of the coder's 16 bits
-    high = max(min(high, 16 - int(np.ceil(np.log2(largest)))), low)
+    # Parts far away must stay within the coder's reach: |place| * 2^(bits - 1) <= 2^PLACE_BITS.
+    largest = float(np.abs(points).max(initial=1.0))
+    high = max(min(high, PLACE_BITS + 1 - int(np.ceil(np.log2(largest)))), low)
     bits = int(np.clip(np.ceil(np.log2(STEPS_OF_POINT * max(len(points), 1)) + 1.0), low, high))
     return bytes([bits]) + encode_mesh(points * 2.0 ** (bits - 1), faces, bits)
 
