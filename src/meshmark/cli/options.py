@@ -11,6 +11,7 @@ import typer
 __all__ = [
     "AsJson",
     "CertificateIn",
+    "CertificateNeeded",
     "KeyFile",
     "Layers",
     "ModelIn",
@@ -67,9 +68,9 @@ AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object inst
 Picture = Annotated[
     Path | None, typer.Option("--picture", metavar="OUT.png", help="Also draw the model as a PNG picture.")
 ]
-CertificateIn = Annotated[
-    Path | None, typer.Option("--certificate", metavar="CERT", help="The certificate made at embedding.")
-]
+_CERTIFICATE = typer.Option("--certificate", metavar="CERT", help="The certificate made at embedding.")
+CertificateIn = Annotated[Path | None, _CERTIFICATE]
+CertificateNeeded = Annotated[Path, _CERTIFICATE]
 OriginalIn = Annotated[
     Path | None,
     typer.Option("--original", metavar="MODEL", help="The unmarked original, instead of a certificate."),

@@ -7,7 +7,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from meshmark.cli.options import AsJson, CertificateIn, KeyFile, ModelIn, ModelOut
+from meshmark.cli.options import AsJson, CertificateNeeded, KeyFile, ModelIn, ModelOut
 from meshmark.cli.output import answer, percent, say
 from meshmark.cli.paths import check_output, naming
 from meshmark.cli.progress import progress
@@ -21,7 +21,7 @@ __all__ = ["unmark"]
 
 
 def unmark(
-    model: ModelIn, out: ModelOut, key: KeyFile, certificate: CertificateIn = None, as_json: AsJson = False
+    model: ModelIn, out: ModelOut, key: KeyFile, certificate: CertificateNeeded, as_json: AsJson = False
 ) -> int:
     """Take a mark off again, with the key and the certificate.
 
@@ -33,8 +33,6 @@ def unmark(
     from meshmark.schemes.ncdg_lv import Certificate
     from meshmark.schemes.ncdg_lv import unmark as take_off
 
-    if certificate is None:
-        raise InputError("the mark comes off only with its certificate, expected --certificate CERT")
     start = perf_counter()
     check_output(out, [model, key, certificate])
     secret = Key.load(key)
