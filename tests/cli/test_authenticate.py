@@ -180,10 +180,17 @@ def test_an_image_comes_back_byte_for_byte(cli, files, sealed, tmp_path):
 
 
 def test_extract_says_that_there_are_marks_of_authentication_only(cli, files, sealed):
-    ran = cli("extract", sealed / "sealed.ply", "--key", files.key)
-    assert ran.code == 1
-    assert ran.out.startswith("Absent")
-    assert "carries marks of authentication" in ran.out
+    line = ("extract", sealed / "sealed.ply", "--key", files.key)
+    ran, told = cli(*line), cli(*line, "--json")
+    identity = only_object(cli("authenticate", *line[1:], "--json").out)["id"]
+    assert (ran.code, told.code) == (1, 1)
+    assert ran.out.startswith(
+        f"No ownership mark of this key in {line[1]}, but authentication marks of this key are there, with the id "
+        f"{identity}: `meshmark authenticate` reads them."
+    )
+    found = only_object(told.out)
+    assert (found["presence"], found["id"]) == ("absent", None)
+    assert found["advice"].startswith("No ownership mark was found, but authentication marks of this key")
 
 
 def test_a_payload_that_is_not_there_is_not_passed_over(cli, files, tmp_path):

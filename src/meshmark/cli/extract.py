@@ -56,29 +56,33 @@ def extract(
     mesh = read_mesh(model)
     with progress("looking for the mark"), naming(model):
         found = find(mesh, secret, reference=reference, search=search.value, time_limit=time_limit)
-        if found.presence == "absent":
-            found = replace(found, advice=f"{found.advice}{_upper_layer(mesh, secret)}")
-    answer(_words(found, model), found.to_dict(), as_json)
+        upper = _upper_layer(mesh, secret, found.mode == "blind") if found.presence == "absent" else ""
+    if upper:
+        found = replace(found, advice=f"No ownership mark was found, but {upper}")
+    answer(_words(found, model, upper), found.to_dict(), as_json)
     return EXIT_CODES[found.presence]
 
 
-def _upper_layer(mesh: Mesh, key: Key) -> str:
-    """Return a sentence about marks of authentication where the model carries only these."""
+def _upper_layer(mesh: Mesh, key: Key, blind: bool) -> str:
+    """Return what to say of the authentication marks of a model, nothing where there are none of this key."""
     from meshmark.coding.message import format_id
     from meshmark.schemes.ncdg_lv.authentication.examination import told_by_marks
 
     identity = told_by_marks(mesh, key)
     if identity is None:
         return ""
+    more = " In a part or a badly damaged copy the certificate or the original may find the ownership mark."
     return (
-        f" It carries marks of authentication of this key, with the id {format_id(identity)}, but not the "
-        "ownership layer: `meshmark authenticate` reads them."
+        f"authentication marks of this key are there, with the id {format_id(identity)}: "
+        f"`meshmark authenticate` reads them.{more if blind else ''}"
     )
 
 
-def _words(found: Extraction, model: Path) -> str:
+def _words(found: Extraction, model: Path, upper: str) -> str:
     from meshmark.coding.message import format_id
 
+    if upper:
+        return f"No ownership mark of this key in {model}, but {upper}"
     if found.id is not None:
         chance = f"chance of a false alarm below 10^{found.log10_false_positive:.0f}"
         return f"Present: {model} carries the id {format_id(found.id)}; {chance}. {found.advice}"
