@@ -28,6 +28,32 @@ def test_help_and_keygen_load_nothing_heavy(tmp_path, line):
     assert ran.stderr == "0 []\n"
 
 
+def test_a_missing_model_and_a_missing_key_are_told_before_slow_imports(files, tmp_path):
+    key = ["--key", str(files.key)]
+    sealed = [*key, "--certificate", str(files.model)]
+    lines = [
+        *([name, "no.ply"] for name in ("info", "saliency", "segment")),
+        *([name, "no.ply", *sealed] for name in ("extract", "authenticate")),
+        *([name, "no.ply", "out.ply", *sealed] for name in ("recover", "unmark")),
+        ["compare", "no.ply", str(files.model)],
+        ["extract", str(files.model), "--key", "no.key"],
+        ["embed", str(files.model), "out.ply", "--key", "no.key"],
+    ]
+    ran = python(
+        f"import sys; from meshmark.cli.main import main; codes = [main(line) for line in {lines!r}];"
+        "print(codes, 'scipy' in sys.modules)",
+        cwd=tmp_path,
+    )
+    assert ran.stdout == f"{[2] * len(lines)} False\n"
+    assert len(ran.stderr.splitlines()) == len(lines)
+    assert all("cannot read" in told for told in ran.stderr.splitlines())
+
+
+def test_using_one_scheme_does_not_load_the_others():
+    ran = python("import sys, meshmark; meshmark.extract; print('meshmark.schemes.table' in sys.modules)")
+    assert ran.stdout == "False\n"
+
+
 def test_import_meshmark_loads_nothing_heavy():
     ran = python("import sys, meshmark; print(sorted({'numpy', 'scipy', 'typer'} & sys.modules.keys()))")
     assert ran.stdout == "[]\n"

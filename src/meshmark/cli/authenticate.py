@@ -58,14 +58,15 @@ def authenticate(
     """
     from meshmark.coding.keys import Key
     from meshmark.io import read_mesh
-    from meshmark.schemes.ncdg_lv import authenticate as judge
 
     check_references(certificate, original)
     inputs = [path for path in (model, key, certificate, original) if path is not None]
     _check_outputs({map_: ".ply", report: ".html", payload: None}, inputs)
     secret = Key.load(key)
-    reference = load_reference(certificate, original)
     mesh = read_mesh(model)
+    reference = load_reference(certificate, original)
+    from meshmark.schemes.ncdg_lv import authenticate as judge
+
     with progress("checking the marks"), naming(model):
         found = judge(mesh, secret, reference=reference)
     complete = _write(found, mesh, model, map_, report, payload)

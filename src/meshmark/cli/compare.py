@@ -32,9 +32,10 @@ def compare(
     PSNR is that of the vertices, or where the counts differ, of the surfaces.
     """
     from meshmark.io import read_mesh
-    from meshmark.metrics import compare as measure
 
     first, second = read_mesh(a), read_mesh(b)
+    from meshmark.metrics import compare as measure
+
     with naming(a, b):
         result = measure(first, second)
     counts = len(first.vertices), len(second.vertices)

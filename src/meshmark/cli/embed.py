@@ -70,7 +70,6 @@ def embed(
     """
     from meshmark.coding.keys import Key
     from meshmark.coding.message import parse_id
-    from meshmark.schemes.ncdg_lv.files import embed_file
 
     carried = payload if payload in (None, "miniature", "none") else Path(str(payload))
     inputs = [model, key, *([carried] if isinstance(carried, Path) else [])]
@@ -81,6 +80,8 @@ def embed(
             raise InputError(f"{out} is to be the model and the certificate, expected two names")
     number = None if identity is None else parse_id(identity)
     secret = Key.load(key)
+    from meshmark.schemes.ncdg_lv.files import embed_file
+
     wanted = None if layers is None else layers.value
     coarse = None if tolerance is None else tolerance.value
     with progress("marking"), naming(model):

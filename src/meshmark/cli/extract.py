@@ -48,12 +48,13 @@ def extract(
     """
     from meshmark.coding.keys import Key
     from meshmark.io import read_mesh
-    from meshmark.schemes.ncdg_lv import extract as find
 
     check_references(certificate, original)
     secret = Key.load(key)
-    reference = load_reference(certificate, original)
     mesh = read_mesh(model)
+    reference = load_reference(certificate, original)
+    from meshmark.schemes.ncdg_lv import extract as find
+
     with progress("looking for the mark"), naming(model):
         found = find(mesh, secret, reference=reference, search=search.value, time_limit=time_limit)
         upper = _upper_layer(mesh, secret, found.mode == "blind") if found.presence == "absent" else ""

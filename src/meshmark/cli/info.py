@@ -17,9 +17,10 @@ def info(model: ModelIn, as_json: AsJson = False) -> int:
     Its format, its counts, its size, and whether its surface is closed.
     """
     from meshmark.io import read_mesh
-    from meshmark.metrics.shape import describe
 
     mesh = read_mesh(model)
+    from meshmark.metrics.shape import describe
+
     held = {} if mesh.document is None else {"format": mesh.document.format, **mesh.document.summary()}
     with naming(model):
         fields = {**held, **describe(mesh).to_dict()}

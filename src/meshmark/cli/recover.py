@@ -23,12 +23,13 @@ def recover(
     """
     from meshmark.coding.keys import Key
     from meshmark.io import read_mesh, write_mesh
-    from meshmark.schemes.ncdg_lv import recover as bring_back
 
     check_output(out, [path for path in (model, key, certificate) if path is not None])
     secret = Key.load(key)
-    reference = load_reference(certificate)
     mesh = read_mesh(model)
+    reference = load_reference(certificate)
+    from meshmark.schemes.ncdg_lv import recover as bring_back
+
     with progress("recovering"), naming(model):
         found = bring_back(mesh, secret, reference=reference)
     if found.mesh is None:

@@ -23,8 +23,9 @@ def check_references(certificate: Path | None, original: Path | None) -> None:
 def load_reference(certificate: Path | None, original: Path | None = None) -> Certificate | Mesh | None:
     """Return what the file of the one that is given holds, None without any."""
     from meshmark.io import read_mesh
-    from meshmark.schemes.ncdg_lv import Certificate
 
     if certificate is not None:
+        from meshmark.schemes.ncdg_lv import Certificate
+
         return Certificate.load(certificate)
     return None if original is None else read_mesh(original)

@@ -16,11 +16,12 @@ def saliency(model: ModelIn, picture: Picture = None, as_json: AsJson = False) -
     Each vertex gets a saliency from 0 to 1; salient points are those that stand out most around them.
     """
     from meshmark.io import read_mesh
-    from meshmark.saliency import analyse
 
     if picture is not None:
         check_output(picture, [model], ".png")
     mesh = read_mesh(model)
+    from meshmark.saliency import analyse
+
     with progress("looking at the surface"), naming(model):
         result = analyse(mesh)
     if picture is not None:

@@ -16,11 +16,12 @@ def segment(model: ModelIn, picture: Picture = None, as_json: AsJson = False) ->
     Each region lies around a salient point and has a fair share of the model's two halves, green and blue.
     """
     from meshmark.io import read_mesh
-    from meshmark.segmentation import segment as part
 
     if picture is not None:
         check_output(picture, [model], ".png")
     mesh = read_mesh(model)
+    from meshmark.segmentation import segment as part
+
     with progress("drawing the map"), naming(model):
         result = part(mesh)
     if picture is not None:

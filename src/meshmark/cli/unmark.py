@@ -30,14 +30,15 @@ def unmark(
     """
     from meshmark.coding.keys import Key
     from meshmark.io import read_mesh, write_mesh
-    from meshmark.schemes.ncdg_lv import Certificate
-    from meshmark.schemes.ncdg_lv import unmark as take_off
 
     start = perf_counter()
     check_output(out, [model, key, certificate])
     secret = Key.load(key)
-    kept = Certificate.load(certificate)
     mesh = read_mesh(model)
+    from meshmark.schemes.ncdg_lv import Certificate
+    from meshmark.schemes.ncdg_lv import unmark as take_off
+
+    kept = Certificate.load(certificate)
     with progress("taking the mark off"), naming(model):
         found = take_off(mesh, secret, kept)
         near = f"the original within {_up(found.within_over_diagonal)} of the diagonal"

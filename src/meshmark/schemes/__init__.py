@@ -1,8 +1,20 @@
-"""Watermarking schemes: one interface, and the table of them."""
+"""Watermarking schemes: one interface, and the table of them, which is imported when it is first used."""
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 from meshmark.schemes.scheme import Readout, Scheme
-from meshmark.schemes.table import SCHEMES
+
+if TYPE_CHECKING:
+    from meshmark.schemes.table import SCHEMES
 
 __all__ = ["SCHEMES", "Readout", "Scheme"]
+
+
+def __getattr__(name: str) -> Any:
+    if name != "SCHEMES":
+        raise AttributeError(f"module 'meshmark.schemes' has no attribute {name!r}")
+    from meshmark.schemes.table import SCHEMES
+
+    return SCHEMES
