@@ -34,6 +34,26 @@ def test_finer_samples_converge_to_the_integral_of_a_smooth_function():
     assert errors[0] > 3 * errors[1] > 9 * errors[2]  # second order
 
 
+def test_a_sliver_takes_samples_along_it_only():
+    points = np.array([[0.0, 0.0, 0.0], [10.0, 0.0, 0.0], [4.0, 0.05, 0.0]])
+    for turn in range(3):
+        samples = plan_samples(points, np.roll([[0, 1, 2]], turn, axis=1), 0.1)(points)
+        split = samples.positions[3:]
+        assert len(split) < 150  # sqrt(2) to the longest piece
+        assert np.diff(np.sort(split[:, 0])).max() < 0.2
+        np.testing.assert_allclose(samples.areas @ samples.positions, 0.25 * points.mean(axis=0))
+
+
+def test_pieces_know_the_second_moment_of_a_triangle():
+    """Of area A, with corners a, b, c and centroid m: A / 12 (a a' + b b' + c c' + 9 m m')."""
+    points = np.random.default_rng(3).normal(size=(3, 3))
+    samples = plan_samples(points, np.array([[2, 0, 1]]), 0.02)(points)
+    second = (samples.positions.T * samples.areas) @ samples.positions
+    exact = face_areas(points, np.array([[0, 1, 2]]))[0] / 12.0 * (points.T @ points)
+    exact += face_areas(points, np.array([[0, 1, 2]]))[0] * 0.75 * np.outer(points.mean(0), points.mean(0))
+    np.testing.assert_allclose(second, exact, rtol=1e-3, atol=1e-4)
+
+
 @pytest.mark.parametrize("longest", [10.0, 0.1])
 def test_normal_motion_is_the_flux_of_the_displacement(longest):
     points, faces = pebble(16)
@@ -47,7 +67,7 @@ def test_normal_motion_is_the_flux_of_the_displacement(longest):
 
 def test_gathered_samples_say_the_same_of_smooth_windows():
     points, faces = pebble(144)
-    samples = plan_samples(points, faces, 0.1)(points)
+    samples = plan_samples(points, faces, 0.05)(points)
     fewer = gathered(samples, 0.05)
     assert 50 < len(fewer.areas) < 0.6 * len(samples.areas)
     np.testing.assert_allclose(fewer.areas.sum(), samples.areas.sum())

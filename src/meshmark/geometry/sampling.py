@@ -17,10 +17,11 @@ from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["Sampler", "Samples", "gathered", "plan_samples"]
 
-# A face is split into so many rows, and all faces into about so many samples, at most: huge or very spiky surfaces
-# cannot exhaust memory; the window then sees a coarser sum.
-MAX_SPLIT = 64
+# A face is split into so many pieces each way, and all faces into about so many samples, at most: huge or very
+# spiky surfaces cannot exhaust memory; the window then sees a coarser sum.
+MAX_SPLIT = 256
 MAX_SAMPLES = 1_500_000
+ROUNDING = 1e-9
 # Cubes of a model that is so far spread out have no numbers.
 MOST_CUBES = 2.0**60
 
@@ -129,45 +130,63 @@ def _numbered(names: IntArray, count: int) -> IntArray:
 
 
 def plan_samples(points: FloatArray, faces: IntArray, longest: float) -> Sampler:
-    """Choose samples so that, up to a limit on their number, no piece is longer than `longest`."""
-    edge = np.sqrt(_longest_squares(points, faces))
-    pieces = np.clip(np.ceil(edge / longest), 1, MAX_SPLIT).astype(np.int64)
-    excess = float((pieces[pieces > 1] ** 2).sum()) / MAX_SAMPLES
-    if excess > 1.0:
-        pieces = np.clip(np.ceil(edge / (longest * np.sqrt(excess))), 1, MAX_SPLIT).astype(np.int64)
-    owners, weights, shares = [], [], []
-    for count in np.unique(pieces[pieces > 1]):
-        split = np.flatnonzero(pieces == count)
-        pattern = _centroids(int(count))
-        owners.append(np.repeat(split, len(pattern)))
-        weights.append(np.tile(pattern, (len(split), 1)))
-        shares.append(np.full(len(owners[-1]), 1.0 / count**2))
-    empty = np.zeros(0, np.int64)
-    return Sampler(
-        faces,
-        len(points),
-        np.flatnonzero(pieces == 1),
-        np.concatenate(owners) if owners else empty,
-        np.concatenate(weights) if weights else np.zeros((0, 3)),
-        np.concatenate(shares) if shares else np.zeros(0),
-    )
+    """Choose samples so that, up to a limit on their number, no piece is longer than `longest` from end to end."""
+    corners = np.stack([points[faces[:, i]] for i in range(3)])
+    ways = np.roll(corners, -1, axis=0) - corners
+    edge = np.sqrt(np.einsum("imj,imj->im", ways, ways))
+    large = edge.max(axis=0) > longest
+    owner, weights, share = _split(ways[:, large], edge[:, large], longest)
+    return Sampler(faces, len(points), np.flatnonzero(~large), np.flatnonzero(large)[owner], weights, share)
 
 
-def _longest_squares(points: FloatArray, faces: IntArray) -> FloatArray:
-    """Return (m,): the squared length of each face's longest edge."""
-    corners = np.ascontiguousarray(faces.T)
-    squares = np.zeros((3, len(faces)))
-    for axis in np.ascontiguousarray(points.T):
-        ends = axis.take(corners)
-        squares += (ends - np.roll(ends, 1, axis=0)) ** 2
-    return np.asarray(squares.max(axis=0))
+def _split(ways: FloatArray, edge: FloatArray, longest: float) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Return face (q,), barycentric centroid (q, 3) and share of the face's area (q,) of all pieces of m faces.
+
+    A face is cut along the height over its longest edge, and the two right triangles into strips beside the height:
+    pieces of a long face are as compact as those of others.
+    ways (3, m, 3), edge (3, m): from each corner to the next, and how long.
+    """
+    row = np.arange(edge.shape[1])
+    start = edge.argmax(axis=0)
+    base, side, length = ways[start, row], -ways[(start + 2) % 3, row], edge[start, row]
+    part = np.clip(np.einsum("ij,ij->i", base, side) / length**2, 0.0, 1.0)  # of the edge, up to the height
+    height = np.sqrt(((side - part[:, None] * base) ** 2).sum(axis=1))
+    crowding = float((length / longest + 1.0) @ (height / longest + 1.0)) / MAX_SAMPLES
+    piece = longest / np.sqrt(2.0) * max(1.0, np.sqrt(crowding))
+    one, other, tip = (np.eye(3)[(start + k) % 3] for k in range(3))
+    foot = one + part[:, None] * (other - one)
+    halves = np.concatenate([np.stack([foot, tip, end], axis=1) for end in (one, other)])
+    part = np.concatenate([part, 1.0 - part])
+    along = _count(part * np.tile(length, 2), piece)
+    kind = along * (MAX_SPLIT + 1) + np.tile(_count(height, piece), 2)
+    order = np.argsort(kind, kind="stable")
+    order = order[part[order] > 0.0]
+    names, first = np.unique(kind[order], return_index=True)
+    owners, weights, shares = [row[:0]], [np.zeros((0, 3))], [np.zeros(0)]
+    for name, alike in zip(names, np.split(order, first[1:]), strict=False):
+        pattern, share = _strips(*divmod(int(name), MAX_SPLIT + 1))
+        owners.append(np.repeat(alike % len(row), len(share)))
+        weights.append(np.einsum("qk,hkc->hqc", pattern, halves[alike]).reshape(-1, 3))
+        shares.append(np.outer(part[alike], share).ravel())
+    return np.concatenate(owners), np.concatenate(weights), np.concatenate(shares)
+
+
+def _count(size: FloatArray, piece: float) -> IntArray:
+    return np.asarray(np.clip(np.ceil(size / piece), 1, MAX_SPLIT), np.int64)
 
 
 @lru_cache(maxsize=MAX_SPLIT)
-def _centroids(count: int) -> FloatArray:
-    """Barycentric centroids (count^2, 3) of a triangle cut into count^2 equal ones."""
-    i, j = np.meshgrid(np.arange(count), np.arange(count), indexing="ij")
-    up = np.column_stack([i[i + j < count], j[i + j < count]]) + 1.0 / 3.0
-    down = np.column_stack([i[i + j < count - 1], j[i + j < count - 1]]) + 2.0 / 3.0
-    first = np.concatenate([up, down]) / count
-    return np.column_stack([first, 1.0 - first.sum(axis=1)])
+def _strips(along: int, across: int) -> tuple[FloatArray, FloatArray]:
+    """Cut a triangle into `along` strips beside its first edge, the first of them into `across` pieces.
+
+    Strips get shorter towards the third corner, and are cut into fewer pieces, all equal.
+    Returns (q, 3) the pieces' centroids, barycentric, and (q,) their shares of the area.
+    """
+    near = 1.0 - np.arange(along) / along  # length of each strip's two sides, over the edge's
+    far = near - 1.0 / along
+    count = np.ceil(across * near - ROUNDING).astype(np.int64)
+    strip = np.repeat(np.arange(along), count)
+    place = (np.arange(len(strip)) - (np.cumsum(count) - count)[strip] + 0.5) / count[strip]
+    level = (2.0 / 3.0 * (near**3 - far**3) / (near**2 - far**2))[strip]  # of the centroid, 1 at the edge
+    share = ((near**2 - far**2) / count)[strip]
+    return np.column_stack([level * (1.0 - place), level * place, 1.0 - level]), share
