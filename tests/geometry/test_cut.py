@@ -63,3 +63,34 @@ def test_the_same_cut_every_time():
     assert other is not None
     np.testing.assert_array_equal(one.normal, other.normal)
     np.testing.assert_array_equal(one.centre, other.centre)
+
+
+def plates(count, rng):
+    """Squares that float about a ball of radius 2, each along its own tangent plane."""
+    points, faces = [], []
+    for i in range(count):
+        out = rng.normal(size=3)
+        out /= np.linalg.norm(out)
+        one, other = np.linalg.svd(out[None])[2][1:]
+        points.append(2.0 * out + 0.2 * np.array([one + other, one - other, -one - other, other - one]))
+        faces.append(4 * i + np.array([[0, 1, 2], [0, 2, 3]]))
+    return np.concatenate(points), np.concatenate(faces)
+
+
+def test_plates_are_no_cut():
+    """All their edges are open and lie in planes with nothing beyond, but they end within these planes."""
+    assert find_cut(*plates(6, np.random.default_rng(4))) is None
+
+
+def test_a_cut_is_found_among_plates():
+    points, faces = pebble(40)
+    normal = np.array([0.0, 0.6, 0.8])
+    level = float(np.quantile(points @ normal, 0.8))
+    soup, squares = plates(6, np.random.default_rng(4))
+    below = soup[:, None].reshape(-1, 4, 3) @ normal < level
+    squares = squares[np.repeat(below.all(axis=1), 2)]
+    assert len(squares) >= 4
+    part = crop(points, faces, normal, level)[1]
+    cut = find_cut(np.concatenate([points, soup]), np.concatenate([part, squares + len(points)]))
+    assert cut is not None
+    assert np.degrees(np.arccos(min(1.0, float(cut.normal @ normal)))) < 5.0
