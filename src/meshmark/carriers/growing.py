@@ -20,6 +20,8 @@ FIRST, GROWTH = 45, 2.2
 MOST_FIRST, MOST_NEXT = 400_000, 4_000
 # So many corrections of the first cluster are followed, where they stand out by so many standard deviations.
 KEPT, STANDS_OUT = 5, 5.5
+# On the grid the score is at least about this share of what it is at the top next to it.
+ON_GRID = 0.65
 # Clusters are tried around so many places.
 PLACES = 40
 RADIUS, NEXT_RADIUS = 2.5, 3.0
@@ -63,8 +65,8 @@ def grown(
     cluster = order[:FIRST]
     search = LockSearch(psi[cluster], gradient[cluster], expected, RADIUS, most)
     least = STANDS_OUT * np.sqrt(len(cluster) / 2.0)
-    locks = search.polished(search.rough(KEPT))
-    locks = [lock for lock in locks if lock.score > least]
+    rough = [lock for lock in search.rough(KEPT) if lock.score > ON_GRID * least]
+    locks = [lock for lock in search.polished(rough) if lock.score > least] if rough else []
     if not locks:
         return None
     best = max(

@@ -22,6 +22,8 @@ BEYOND, BEYOND_SHARE = 2.0, 0.002
 # The faces at a cut end there, so they lead across its plane: by this cosine, in the mean over its border. In soups
 # of polygons open edges lie along any plane, but their faces mostly lie in it.
 ACROSS = 0.3
+# Nearly all of a flat model lies close to some plane; of a part that was cut at most this share does.
+MOST_NEAR = 0.3
 # An edge at which a face leads across the plane by less than this is none of the cut's.
 WITHIN = 0.1
 REFINEMENTS = 3
@@ -121,7 +123,8 @@ def _best_plane(
     near = (np.abs(middle @ normal.T - level) < RAGGED * edge).astype(np.float64)
     normal *= np.where(above <= below, 1.0, -1.0)[:, None]
     across = np.einsum("ip,pi->p", outward.T @ near, normal)
-    likely = (np.minimum(above, below) <= BEYOND_SHARE) & (near.sum(axis=0) >= FEWEST_EDGES)
+    likely = (np.minimum(above, below) <= BEYOND_SHARE) & (1.0 - above - below <= MOST_NEAR)
+    likely &= near.sum(axis=0) >= FEWEST_EDGES
     worth = across * (likely & (across > ACROSS * (length @ near)))
     best = int(np.argmax(worth))
     return (normal[best], place[best]) if worth[best] > 0.0 else None
