@@ -8,6 +8,9 @@ from meshmark.benchmark.layout import Cell, Plot, Section, Table
 
 __all__ = ["markdown"]
 
+# Columns with longer cells are text: they stand at the left and are not padded, or no line could be read.
+_WIDEST = 44
+
 
 def markdown(title: str, sections: Sequence[Section], command: str, folder: str) -> str:
     """Return the text of the report; `folder` holds the pictures, `command` made every table and plot."""
@@ -29,8 +32,13 @@ def _table(table: Table, command: str) -> list[str]:
         *([_cell(cell) for cell in row] for row in table.rows),
     ]
     widths = [max(3, *(len(line[i]) for line in lines)) for i in range(len(table.columns))]
-    rule = "|".join(["-" * (widths[0] + 2)] + ["-" * (width + 1) + ":" for width in widths[1:]])
-    text = [_line(lines[0], widths), f"|{rule}|", *(_line(line, widths) for line in lines[1:])]
+    numbers = [i > 0 and width <= _WIDEST for i, width in enumerate(widths)]
+    widths = [width if width <= _WIDEST else 3 for width in widths]
+    rule = "|".join(
+        "-" * (width + 1) + (":" if right else "-") for width, right in zip(widths, numbers, strict=True)
+    )
+    text = [_line(line, widths, numbers) for line in lines]
+    text.insert(1, f"|{rule}|")
     return [*head, "\n".join(text), *note, _made(command)]
 
 
@@ -45,11 +53,12 @@ def _made(command: str) -> str:
     return f"Made by `{command}`." if command else ""
 
 
-def _line(cells: Sequence[str], widths: Sequence[int]) -> str:
-    first, *others = zip(cells, widths, strict=True)
-    return (
-        "| " + " | ".join([first[0].ljust(first[1]), *(text.rjust(width) for text, width in others)]) + " |"
+def _line(cells: Sequence[str], widths: Sequence[int], numbers: Sequence[bool]) -> str:
+    padded = (
+        text.rjust(width) if right else text.ljust(width)
+        for text, width, right in zip(cells, widths, numbers, strict=True)
     )
+    return f"| {' | '.join(padded)} |"
 
 
 def _cell(cell: Cell) -> str:

@@ -52,7 +52,7 @@ def _equal(measured: Measured) -> Table:
     for name in measured.schemes:
         scheme = SCHEMES.get(name)
         known = (str(scheme.bits), "blind" if scheme.blind else "informed") if scheme else (NOTHING, NOTHING)
-        cells = [Cell(title_of(name), _origin(scheme)), *(Cell(text) for text in known)]
+        cells = [Cell(title_of(name)), *(Cell(text) for text in known)]
         for measure in ("rms_over_diagonal", "mrms_over_diagonal", "msdm2"):
             value = found.get((name, measure))
             factor, unit = (1.0, "") if measure == "msdm2" else (100.0, " %")
@@ -64,8 +64,8 @@ def _equal(measured: Measured) -> Table:
                     f"worst {factor * value.worst:.3g}{unit}, n {value.count}",
                 )
             )
-        rows.append(tuple(cells))
-    columns = ("scheme", "payload, bits", "reading", "RMS", "MRMS", "MSDM2")
+        rows.append((*cells, Cell(_origin(scheme) or NOTHING)))
+    columns = ("scheme", "payload, bits", "reading", "RMS", "MRMS", "MSDM2", "where it is from")
     note = "Budget of all: at most 0.08 % of the diagonal RMS displacement (strength standard). Means over models."
     return Table("Payload and distortion of all tables below", columns, tuple(rows), note)
 
