@@ -24,6 +24,7 @@ from meshmark.schemes.ncdg_lv.reading import Reading, readings
 from meshmark.schemes.ncdg_lv.references import starting_frames
 from meshmark.schemes.ncdg_lv.results import Extraction
 from meshmark.schemes.ncdg_lv.threads import on_one_thread
+from meshmark.schemes.ncdg_lv.unsmoothing import unsmoothed_readings
 
 __all__ = ["MODES", "SEARCHES", "Found", "extract", "find"]
 
@@ -151,6 +152,7 @@ def _searched(
     if locking:
         for reading in readings(_mirrored(surface), key, code_length, tickets, wide, spacings):
             yield replace(reading, mirrored=True)
+        yield from unsmoothed_readings(surface, key, code_length, tickets, wide, spacings)
         yield from locked_readings(surface, key, code_length, tickets, wide, spacings)
         yield from stretched_readings(surface, key, code_length, tickets, wide, spacings)
         yield from cropped_readings(surface, surface.points, key, code_length, tickets, wide, spacings)
