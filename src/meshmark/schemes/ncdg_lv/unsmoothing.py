@@ -20,6 +20,7 @@ from meshmark.carriers.pose import Pose
 from meshmark.carriers.quantisation import bit_phase, lock_score, log10_lock_chance
 from meshmark.coding.keys import Key
 from meshmark.geometry.adjacency import unique_edges
+from meshmark.geometry.areas import face_areas
 from meshmark.geometry.frame import Frame, frame_alternatives
 from meshmark.geometry.sampling import plan_samples
 from meshmark.geometry.scale_space import random_walk, spectral_filters
@@ -28,9 +29,11 @@ from meshmark.mesh import FloatArray, IntArray
 from meshmark.schemes.ncdg_lv.parameters import (
     CARRIER_PLENTY,
     CARRIER_READABLE,
+    CREDIBLE_LOG10,
     LOCK_STEPS,
     LOCK_TURNS,
     LONGEST_SAMPLE,
+    SPACING_ORDER,
     SPACING_TRIES,
     SURELY_SKEW,
     preferred_spacings,
@@ -41,19 +44,22 @@ from meshmark.schemes.ncdg_lv.shapes import Shapes
 __all__ = ["unsmoothed_readings"]
 
 # A mesh with more points is no coarse one: what `restoration.py` undoes is enough there.
-COARSE: Final = 20_000
+COARSE: Final = 12_000
 # What may have been done: shares of the way to the neighbours' mean, one after another, and how many times that.
 SMOOTHINGS: Final[dict[tuple[float, ...], tuple[int, ...]]] = {
-    (0.1,): (*range(1, 13), 15, 20, 25, 30, 40, 50),
-    (0.5,): (1, 2, 3, 4, 5, 6, 7),
+    (0.1,): (1, 2, 3, 4, 5, 6, 8, 10, 12, 15, 20, 30, 50),
+    (0.5,): (1, 2, 3, 4, 5, 6),
     (0.5, -0.53): (1, 2, 3, 5, 10),  # Taubin's, doi:10.1145/218380.218473
 }
 # A frequency of which less is left than this is held back: a tenth of what is left of the frequency 1.95 (of at
 # most 2), but between these shares; nothing is where more is left of all frequencies.
 FAINTEST, FAINT, HIGH = 1e-5, 1e-2, 1.95
 TERMS: Final = 300
-# So many of the likeliest are decoded.
-READ: Final = 3
+# Where more is undone than was done the surface gets rough. One of so many times the area was never the model.
+ROUGHEST: Final = 8.0
+# So many shapes, spacings and steps are tried at most, and so many turns of each: two, or with axes exchanged all.
+TRIED: Final = sum(map(len, SMOOTHINGS.values())) * len(SPACING_ORDER) * len(LOCK_STEPS)
+TURNS: Final = {False: LOCK_TURNS, True: 24}
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,22 +91,18 @@ def unsmoothed_readings(
     wide: bool = False,
     spacings: Sequence[float] | None = None,
 ) -> Iterator[Reading]:
-    """Yield the likeliest few readings of all that may have been done; none of a mesh that is not coarse.
+    """Yield each reading whose lock is credible, of all that may have been done; none of a mesh that is not coarse.
 
     tickets: numbers of readings, which all share one bound.
     """
     if len(surface.points) > COARSE:
         return
-    shapes = Shapes(surface)
-    guesses = [
-        guess
-        for points in _before(surface)
-        for guess in _guesses(shapes, points, key, code_length, wide, spacings)
-    ]
-    tried = len(guesses) * len(LOCK_STEPS)
-    for guess in sorted(guesses, key=lambda each: each.log10_chance)[:READ]:
-        number = next(tickets)
-        yield guess.read(surface.faces, key, code_length, float(number * (number + 1) * READ * tried))
+    shapes, tried = Shapes(surface), TRIED * TURNS[wide]
+    for points in _before(surface):
+        for guess in _guesses(shapes, points, key, code_length, wide, spacings):
+            if guess.log10_chance + np.log10(tried) < CREDIBLE_LOG10:
+                number = next(tickets)
+                yield guess.read(surface.faces, key, code_length, float(number * (number + 1) * tried))
 
 
 def _before(surface: Welded) -> Iterator[FloatArray]:
@@ -108,8 +110,10 @@ def _before(surface: Welded) -> Iterator[FloatArray]:
     walk = random_walk(surface.points, unique_edges(surface.faces))
     centre = surface.points.mean(axis=0)
     filters = [_inverse(shares, n) for shares, passes in SMOOTHINGS.items() for n in passes]
+    area = face_areas(surface.points, surface.faces).sum()
     for part in spectral_filters(walk, surface.points - centre, filters, TERMS):
-        yield centre + part
+        if face_areas(part, surface.faces).sum() < ROUGHEST * area:
+            yield centre + part
 
 
 def _inverse(shares: Sequence[float], passes: int) -> Callable[[FloatArray], FloatArray]:
@@ -138,7 +142,7 @@ def _guesses(
     for spacing in preferred_spacings(frame.area) if spacings is None else spacings:
         lattice = Lattice.keyed(key, spacing)
         count = 0
-        for turned in islice(turns, None if wide else LOCK_TURNS):
+        for turned in islice(turns, TURNS[wide]):
             cells = shapes.carriers(points, lattice, turned)
             count = len(cells.nodes)
             if count < CARRIER_READABLE:
