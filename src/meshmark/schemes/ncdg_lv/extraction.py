@@ -99,7 +99,8 @@ def find(
 
     First the surface is read as it stands; readings whose lock stands out are decoded. Then it is read where a
     reference says, its frame corrected, and decoded whatever its lock. With `locking` follow its mirror image,
-    every restoration of its shape, and what it was before a small stretch or a planar cut.
+    what it was before common smoothing, every restoration of its shape, and what it was before a small stretch
+    or a planar cut.
     Neither choice depends on the message. The false-positive bound is the chance of the lock times that of the
     decoded word, times the hypotheses.
     """
