@@ -47,7 +47,7 @@ __all__ = ["unsmoothed_readings"]
 COARSE: Final = 12_000
 # What may have been done: shares of the way to the neighbours' mean, one after another, and how many times that.
 SMOOTHINGS: Final[dict[tuple[float, ...], tuple[int, ...]]] = {
-    (0.1,): (1, 2, 3, 4, 5, 6, 8, 10, 12, 15, 20, 30, 50),
+    (0.1,): (1, 2, 3, 5, 10, 15, 20, 30, 50),
     (0.5,): (1, 2, 3, 4, 5, 6),
     (0.5, -0.53): (1, 2, 3, 5, 10),  # Taubin's, doi:10.1145/218380.218473
 }
@@ -56,7 +56,7 @@ SMOOTHINGS: Final[dict[tuple[float, ...], tuple[int, ...]]] = {
 FAINTEST, FAINT, HIGH = 1e-5, 1e-2, 1.95
 TERMS: Final = 300
 # Where more is undone than was done the surface gets rough. One of so many times the area was never the model.
-ROUGHEST: Final = 8.0
+ROUGHEST: Final = 6.0
 # So many shapes, spacings and steps are tried at most, and so many turns of each: two, or with axes exchanged all.
 TRIED: Final = sum(map(len, SMOOTHINGS.values())) * len(SPACING_ORDER) * len(LOCK_STEPS)
 TURNS: Final = {False: LOCK_TURNS, True: 24}
