@@ -27,7 +27,8 @@ def attacked(mesh, text):
 
 
 @pytest.mark.parametrize(
-    "text", ["smoothing:1", "smoothing:10", "smoothing:50", "smoothing_half:2", "smoothing_half:6", "taubin:3"]
+    "text",
+    ["smoothing:1", "smoothing:10", "smoothing:50", "smoothing_half:2", "smoothing_half:6", "taubin:3"],
 )
 def test_one_of_the_shapes_is_that_before(text):
     before = Mesh(*pebble(20))
