@@ -189,3 +189,14 @@ def test_a_payload_is_read_from_scattered_marks_though_the_map_believes_few(mode
     assert found.verdict == "altered"
     assert found.content is not None
     assert found.content.content == small
+
+
+def test_a_small_model_whose_marks_do_not_tell_the_id_is_marked_for_the_layer_below_tells_it():
+    small = Mesh(*pebble(48))
+    silent = 0
+    for identity in range(3, 20):
+        result = embed(small, KEY, id=identity, payload="none")
+        silent += check(weld(result.mesh), KEY).nonce is None
+        found = authenticate(result.mesh, KEY)
+        assert (found.verdict, found.id) == ("authentic", identity)
+    assert silent > 0

@@ -61,7 +61,8 @@ def _check(written: Mesh, key: Key, result: Embedding, name: str) -> None:
     too_coarse = f"cannot be read back from {name}, whose format holds positions too coarsely"
     if result.layers != "authentication" and extract(written, key).id != result.id:
         raise CapacityError(f"the id {too_coarse}; use --strength strong or the format of the input")
-    if result.layers != "ownership" and not still_authentic(weld(written), key, result.id):
+    known = result.layers == "both"
+    if result.layers != "ownership" and not still_authentic(weld(written), key, result.id, known=known):
         raise CapacityError(
             f"the marks of authentication {too_coarse}; use --tolerance tolerant or the format of the input"
         )

@@ -207,7 +207,7 @@ def _marked(below: Embedding, original: Mesh, key: Key, content: Asked, toleranc
     moved = (marked.points != surface.points).any(axis=1)[surface.point_of_vertex]
     vertices = np.where(moved[:, None], marked.points[surface.point_of_vertex], mesh.vertices)
     result = mesh.with_vertices(conform(original, vertices))
-    _read_back(result, key, below.id, packed)
+    _read_back(result, key, below.id, packed, known=below.carriers > 0)
     if precision.remark is not None:
         remarks += (precision.remark,)
     return _Upper(result, marked.count, max(len(packed) - HEAD, 0), remarks)
@@ -234,9 +234,9 @@ def _planned(mesh: Mesh, surface: Welded, key: Key, tolerance: str | None) -> tu
     return next(pair for pair in tried if pair[0].covered >= _COVERED * most)
 
 
-def _read_back(mesh: Mesh, key: Key, identity: int, packed: bytes) -> None:
+def _read_back(mesh: Mesh, key: Key, identity: int, packed: bytes, *, known: bool) -> None:
     surface = weld(mesh)
-    found = check(surface, key)
+    found = _checks(surface, key, identity, known)
     if not _holds(surface, found, identity):
         raise CapacityError(
             "the marks of authentication cannot be read back from the positions the file can hold"
@@ -245,9 +245,15 @@ def _read_back(mesh: Mesh, key: Key, identity: int, packed: bytes) -> None:
         raise CapacityError("the payload cannot be read back from the marked model")
 
 
-def still_authentic(surface: Welded, key: Key, identity: int) -> bool:
-    """Return whether the marks of a surface tell this id, and no alteration."""
-    return _holds(surface, check(surface, key), identity)
+def still_authentic(surface: Welded, key: Key, identity: int, *, known: bool) -> bool:
+    """Return whether the marks of a surface tell this id and no alteration; `known`: so does the layer below."""
+    return _holds(surface, _checks(surface, key, identity, known), identity)
+
+
+def _checks(surface: Welded, key: Key, identity: int, known: bool) -> Checks:
+    """Check as `authenticate` does: where the marks of a small model do not tell the id, the layer below may."""
+    found = check(surface, key)
+    return check(surface, key, identity) if known and found.nonce is None else found
 
 
 def _holds(surface: Welded, found: Checks, identity: int) -> bool:
