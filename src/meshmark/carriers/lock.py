@@ -86,6 +86,8 @@ class LockSearch:
 
     def polished(self, rough: Sequence[Lock]) -> list[Lock]:
         """Return the top of the score next to each grid point; the point where that is far out of the ball."""
+        if not rough:
+            return []
         starts = np.linalg.solve(self._back, np.array([lock.correction for lock in rough]).T).T
         places = _polish(self._psi, self._response, starts)
         inside = np.linalg.norm(places, axis=1) <= self._grid.radius * SLACK

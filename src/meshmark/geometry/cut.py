@@ -65,6 +65,8 @@ def find_cut(points: FloatArray, faces: IntArray) -> Cut | None:
     normal, centre = found
     for _ in range(REFINEMENTS):
         near = (np.abs((middle - centre) @ normal) < RAGGED * edge) & (outward @ normal > WITHIN * length)
+        if not near.any():  # the border lies in another plane than the three edges told
+            return None
         weight = length[near] / length[near].sum()
         centre = weight @ middle[near]
         arm = middle[near] - centre
