@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from meshmark.carriers.rings import Rings
 from meshmark.mesh import FloatArray, IntArray
 
-__all__ = ["RingShapes", "frames", "ring_shapes", "starts"]
+__all__ = ["RingShapes", "frames", "ring_shapes", "spreads_from", "starts"]
 
 _TINY = 1e-30
 
@@ -27,7 +27,8 @@ class RingShapes:
     coincide. offsets: (r, k, 3) the neighbours less the centre, in units of the size. normal: (r, 3) unit, of
     the polygon's area vector; zeros where it has none. distance: (r, k) lengths of the offsets. chord: (r, k)
     from each neighbour to the next. spread: (r,) how much an error of one coordinate of every neighbour and of
-    the middle point grows in the point's place in the ring, a factor of standard deviations.
+    the middle point grows in the point's place in the ring, a factor of standard deviations. sway: (r,) how much such
+    an error turns the ring's frame, in radians for an error of one ring size: large where the ring is a needle.
     """
 
     centre: FloatArray
@@ -37,6 +38,7 @@ class RingShapes:
     distance: FloatArray
     chord: FloatArray
     spread: FloatArray
+    sway: FloatArray
 
     def take(self, rows: IntArray | NDArray[np.bool_]) -> RingShapes:
         """Return these rows."""
@@ -63,12 +65,21 @@ def ring_shapes(points: FloatArray, rings: Rings) -> RingShapes:
         normal,
         distance,
         np.sqrt(np.einsum("rki,rki->rk", step, step)),
-        _spread(_rolled(offsets, distance.argmax(axis=1)), normal, np.maximum(extent, _TINY)),
+        *_growth(_rolled(offsets, distance.argmax(axis=1)), normal, np.maximum(extent, _TINY)),
     )
 
 
-def _spread(offsets: FloatArray, normal: FloatArray, area: FloatArray) -> FloatArray:
+def spreads_from(shapes: RingShapes, start: IntArray) -> FloatArray:
+    """Return the spreads (r,) that the rings have where neighbour `start` (r,) leads."""
+    area = 0.5 * _cross(shapes.offsets, np.roll(shapes.offsets, -1, axis=1)).sum(axis=1)
+    extent = np.maximum(np.sqrt(np.einsum("ri,ri->r", area, area)), _TINY)
+    return _growth(_rolled(shapes.offsets, start), shapes.normal, extent)[0]
+
+
+def _growth(offsets: FloatArray, normal: FloatArray, area: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return how much errors of standard deviation 1 grow, (r,), to first order, on the axis where they grow most.
+
+    And how far they turn the frame, (r,).
 
     The place in the ring is the point less a sum of the neighbours with weights +-1, turned into the frame and
     scaled. Errors tilt the normal by that of the area vector, half the sum of error x (next - previous
@@ -92,7 +103,8 @@ def _spread(offsets: FloatArray, normal: FloatArray, area: FloatArray) -> FloatA
         y / count + x * twist + n * tilt[:, 1, 1],
         n / count + np.einsum("rij,rij->r", second[:, :2, :2], tilt[:, :2, :2]),
     ]
-    return np.asarray(np.sqrt(1.2 + count + np.max(grown, axis=0)))
+    sway = np.sqrt(tilt[:, 0, 0] + tilt[:, 1, 1] + twist)
+    return np.asarray(np.sqrt(1.2 + count + np.max(grown, axis=0))), np.asarray(sway)
 
 
 def starts(distance: FloatArray, tolerance: FloatArray) -> tuple[IntArray, IntArray]:

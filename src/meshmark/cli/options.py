@@ -44,6 +44,7 @@ class Tolerance(StrEnum):
     """What counts as a change."""
 
     strict = "strict"
+    default = "default"
     tolerant = "tolerant"
 
 

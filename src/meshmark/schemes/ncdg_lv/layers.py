@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import chain
 from math import inf, log10
 from time import perf_counter
 
@@ -12,6 +15,7 @@ import numpy as np
 from meshmark.coding.keys import Key
 from meshmark.coding.message import check_id, random_id
 from meshmark.errors import CapacityError, InputError
+from meshmark.geometry.together import together
 from meshmark.geometry.weld import Welded, weld
 from meshmark.io.save import conform
 from meshmark.mesh import Mesh
@@ -21,6 +25,7 @@ from meshmark.schemes.ncdg_lv.authentication.localisation import altered_points
 from meshmark.schemes.ncdg_lv.authentication.marks import Plan, mark, plan
 from meshmark.schemes.ncdg_lv.authentication.payload import HEAD, capacity, decode, encoder
 from meshmark.schemes.ncdg_lv.authentication.precision import Precision, precisions_of
+from meshmark.schemes.ncdg_lv.authentication.promises import broken_by
 from meshmark.schemes.ncdg_lv.authentication.whole import whole_of
 from meshmark.schemes.ncdg_lv.embedding import diagonal_of, displacement_rms
 from meshmark.schemes.ncdg_lv.embedding import embed as embed_ownership
@@ -35,6 +40,11 @@ __all__ = ["LAYERS", "embed", "still_authentic"]
 LAYERS = ("both", "ownership", "authentication")
 # Marks for a coarser precision are taken where they cover so much of the points, or of what the finer ones do.
 _COVERED = 0.9
+# Points may become one by rounding, or lie in another order, where they are nearer than so many errors of a coordinate:
+# 2 sqrt 3 of them by the errors of two points.
+_NEAR = 3.5
+# Marks that are not borne are made anew for so many times the error.
+_COARSER = (1.2, 1.45)
 # Room for the upper layer is measured on a surface that then changes a little.
 _MORE = 1.1
 
@@ -58,8 +68,8 @@ def embed(
     alone where the model has no room for authentication, which a remark then says.
     payload: "miniature" (of the model, for its recovery), "none", bytes, or the path of a file; None: a miniature,
     or none where it does not fit.
-    tolerance: "strict", or "tolerant" of exports that round coordinates to 16 bits or six digits; None: of six
-    digits where the payload need not suffer (`precisions_of`).
+    tolerance: "strict", or "tolerant" of exports that round coordinates to 16 bits or six digits; "default": of six
+    digits where the payload need not suffer (`precisions_of`); None: the same, but the layer may be left out.
 
     All is read back blind before this returns. Raises `InputError` for arguments that cannot be used,
     `CapacityError` where the mesh cannot carry what is asked for.
@@ -69,6 +79,10 @@ def embed(
     content = content_of(payload)
     identity = random_id() if id is None else check_id(id)
     if layers == "ownership":
+        if tolerance is not None:
+            raise InputError(
+                "a tolerance is one of authentication marks, expected layers both or authentication"
+            )
         if payload is not None and content.kind != "none":
             raise InputError(
                 "a payload needs the authentication layer, expected layers both or authentication"
@@ -80,7 +94,7 @@ def embed(
         try:
             result = _both(mesh, key, identity, strength, content, tolerance)
         except _NoRoomError as error:
-            if layers is not None or payload is not None:
+            if layers is not None or payload is not None or tolerance is not None:
                 raise CapacityError(str(error)) from None
             result = replace(error.below, remarks=(f"the authentication layer is left out: {error}",))
     seal = partial(sealed, original=mesh, marked=result.mesh, key=key, identity=identity)
@@ -195,43 +209,94 @@ def _on_top(below: Embedding, original: Mesh, key: Key, content: Asked, toleranc
 
 
 def _marked(below: Embedding, original: Mesh, key: Key, content: Asked, tolerance: str | None) -> _Upper:
-    mesh = below.mesh
-    surface = weld(mesh)
-    planned, precision = _planned(mesh, surface, key, tolerance)
-    symbols = len(np.unique(planned.payload_index))
-    packed, remarks = content_for(
-        content, surface, whole_of(surface, precision.error), symbols, planned.symbol_bits
+    """Return the marks for the first precision with which they are read back, and bear what they should."""
+    refusal = CapacityError("no marks of authentication fit, expected more room for payload")
+    for first in _planned(below.mesh, key, tolerance):
+        for planned in chain([first], _coarser(below.mesh, key, first.precision)):
+            try:
+                return _marked_for(below, original, key, content, planned)
+            except CapacityError as error:
+                refusal = error
+    raise refusal
+
+
+def _marked_for(below: Embedding, original: Mesh, key: Key, content: Asked, planned: _Planned) -> _Upper:
+    mesh, surface, precision, symbol_bits = (
+        planned.mesh,
+        planned.surface,
+        planned.precision,
+        planned.plan.symbol_bits,
     )
-    source = encoder(packed, planned.symbol_bits, symbols)
+    symbols = len(np.unique(planned.plan.payload_index))
+    packed, remarks = content_for(content, surface, whole_of(surface, precision.error), symbols, symbol_bits)
+    source = encoder(packed, symbol_bits, symbols)
     marked = mark(surface, key, below.id, source, precision.error)
     moved = (marked.points != surface.points).any(axis=1)[surface.point_of_vertex]
     vertices = np.where(moved[:, None], marked.points[surface.point_of_vertex], mesh.vertices)
     result = mesh.with_vertices(conform(original, vertices))
     _read_back(result, key, below.id, packed, known=below.carriers > 0)
+    broken = broken_by(result, key, below.id, precision.bears, precision.error)
+    if broken is not None:
+        raise CapacityError(f"the marks of authentication would not bear {broken}, as the tolerance promises")
     if precision.remark is not None:
         remarks += (precision.remark,)
     return _Upper(result, marked.count, max(len(packed) - HEAD, 0), remarks)
 
 
-def _planned(mesh: Mesh, surface: Welded, key: Key, tolerance: str | None) -> tuple[Plan, Precision]:
-    """Return the marks for the coarsest precision that leaves room for what it must, and that they can cover."""
-    tried: list[tuple[Plan, Precision]] = []
-    refusal: CapacityError | None = None
+@dataclass(frozen=True, eq=False)
+class _Planned:
+    """Marks on a mesh of which points that rounding may make one are one already."""
+
+    mesh: Mesh
+    surface: Welded
+    plan: Plan
+    precision: Precision
+
+
+def _planned(mesh: Mesh, key: Key, tolerance: str | None) -> Iterator[_Planned]:
+    """Yield marks, best first: for the coarsest precision that leaves room for what it must, and that they can cover.
+
+    Those for finer ones follow. Raises `CapacityError` where there are none at all.
+    """
+    waiting: list[_Planned] = []
+    refusal = CapacityError("no marks of authentication fit, expected more room for payload")
+    yielded = False
     for precision in precisions_of(mesh, tolerance):
         try:
-            planned = plan(surface, key, precision.error)
+            planned = _plan_for(mesh, key, precision)
         except CapacityError as error:
             refusal = error
             continue
-        if 8 * capacity(planned.payload_marks, planned.symbol_bits) < precision.enough * len(surface.points):
+        plan = planned.plan
+        room = 8 * capacity(plan.payload_marks, plan.symbol_bits)
+        if room < precision.enough * len(planned.surface.points):
             continue
-        tried.append((planned, precision))
-        if planned.covered >= _COVERED:
-            break
-    if not tried:
-        raise refusal or CapacityError("no marks of authentication fit, expected more room for payload")
-    most = max(planned.covered for planned, _ in tried)
-    return next(pair for pair in tried if pair[0].covered >= _COVERED * most)
+        waiting.append(planned)
+        if yielded or plan.covered >= _COVERED:
+            most = max(each.plan.covered for each in waiting)
+            yield from (each for each in waiting if each.plan.covered >= _COVERED * most)
+            waiting, yielded = [], True
+    if waiting:
+        most = max(each.plan.covered for each in waiting)
+        yield from (each for each in waiting if each.plan.covered >= _COVERED * most)
+    elif not yielded:
+        raise refusal
+
+
+def _coarser(mesh: Mesh, key: Key, precision: Precision) -> Iterator[_Planned]:
+    """Yield other marks for a precision, made for a little more: where the first do not hold, these may."""
+    for more in _COARSER:
+        with suppress(CapacityError):
+            yield _plan_for(mesh, key, replace(precision, error=more * precision.error))
+
+
+def _plan_for(mesh: Mesh, key: Key, precision: Precision) -> _Planned:
+    surface = weld(mesh)
+    placed = together(surface.points, _NEAR * precision.error)
+    if (placed != surface.points).any():
+        mesh = mesh.with_vertices(conform(mesh, placed[surface.point_of_vertex]))
+        surface = weld(mesh)
+    return _Planned(mesh, surface, plan(surface, key, precision.error), precision)
 
 
 def _read_back(mesh: Mesh, key: Key, identity: int, packed: bytes, *, known: bool) -> None:

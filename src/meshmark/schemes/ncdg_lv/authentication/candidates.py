@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshmark.carriers.rings import Rings
-from meshmark.carriers.rings_shape import RingShapes, frames, starts
+from meshmark.carriers.rings_shape import RingShapes, frames, spreads_from, starts
 from meshmark.coding.keyed import cell_words, unit_interval
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.schemes.ncdg_lv.authentication.parameters import (
@@ -27,7 +27,9 @@ from meshmark.schemes.ncdg_lv.authentication.parameters import (
     LEVELS,
     REACH,
     SPREAD,
+    SWAY,
     TOLERANCE,
+    UNIT,
 )
 
 __all__ = [
@@ -129,7 +131,10 @@ def room(shapes: RingShapes, unit: float, margin: float = 1.0) -> FloatArray:
     near = np.abs(values - np.round(values)) <= (tolerance / cell)[:, None]
     ties = shapes.distance >= (shapes.distance.max(axis=1) - tolerance)[:, None]
     clear = (near.sum(axis=1) <= AMBIGUOUS) & (ties.sum(axis=1) <= ALTERNATIVES)
-    return np.asarray(np.where(firm & clear, REACH * 2.0 ** (exact / 2.0) / np.sqrt(2.0) / margin, 0.0))
+    clear &= _one_level(shapes, exact, ties)
+    reach = REACH * 2.0 ** (exact / 2.0) / np.sqrt(2.0)
+    turned = 2.0 * SWAY * np.sqrt(3.0) * UNIT * shapes.size / unit / np.maximum(shapes.sway, _TINY)
+    return np.asarray(np.where(firm & clear, np.minimum(reach, turned) / margin, 0.0))
 
 
 def candidates(
@@ -185,6 +190,23 @@ def _lengths(shapes: RingShapes, level: IntArray) -> tuple[FloatArray, FloatArra
     step = step_of(level)
     cell = np.minimum(HASH_STEPS * step, np.maximum(HASH_STEP, HASH_LEAST * step))
     return np.concatenate([shapes.distance, shapes.chord], axis=1) / cell[:, None] + _SHIFT, cell
+
+
+def _one_level(shapes: RingShapes, exact: FloatArray, ties: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return (r,): the rings whose level is the same whichever of the farthest neighbours, `ties` (r, k), leads.
+
+    `exact` (r,) is the level, not rounded down, with the farthest of them. The spread depends on the one that leads,
+    and rounding may make any of them the farthest.
+    """
+    same = np.ones(len(exact), bool)
+    row, start = np.nonzero(ties)
+    several = ties.sum(axis=1)[row] > 1
+    row, start = row[several], start[several]
+    if len(row):
+        tied = shapes.take(row)
+        other = exact[row] + 2.0 * np.log2(tied.spread / spreads_from(tied, start))
+        same[row[np.floor(other) != np.floor(exact[row])]] = False
+    return same
 
 
 def _tolerance(shapes: RingShapes, level: IntArray) -> FloatArray:

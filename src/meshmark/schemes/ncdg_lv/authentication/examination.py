@@ -126,16 +126,19 @@ def _packed(checks: Checks) -> bytes | None:
 
 
 def _confirmed(surface: Welded, key: Key, identity: int, checks: Checks, packed: bytes) -> Checks:
-    """Return the checks anew where a point has no other voucher than marks that contradict the payload.
+    """Return the checks anew where a point is altered, or has no other voucher than marks against the payload.
 
-    A mark that was put at random, or holds by luck, says the symbol that the payload has there once in 2^9 or so.
-    An untouched model hardly ever needs this: there marks that hold by luck lie among those that hold rightly.
+    A mark that was put at random, or holds by luck, says the symbol that the payload has there once in 2^9 or so. In
+    a rounded file one such mark can hide that its neighbour is to be read in another way, or dispute where a shell
+    lies: so nothing is called altered by a check that does not know the payload.
     """
     source = ErasureCode(packed, checks.symbol_bits)
     right = source(checks.stray_index) == checks.stray_value
     passed = checks.passed.copy()
     passed[checks.stray_vertex[~right]] = False
     passed[checks.stray_vertex[right]] = checks.passed[checks.stray_vertex[right]]
+    if altered_points(surface, checks).any():
+        return check(surface, key, identity, source)
     if (passed == checks.passed).all():
         return checks
     graph = adjacency(unique_edges(surface.faces), len(surface.points))

@@ -21,6 +21,7 @@ __all__ = [
     "PSNR_WANTED",
     "REACH",
     "SPREAD",
+    "SWAY",
     "TOLERANCE",
     "UNIT",
     "Layout",
@@ -60,6 +61,9 @@ LEVELS: Final = range(8, 39)
 REACH: Final = 0.6
 # Largest growth of an error in a ring that may carry a mark (`RingShapes.spread`): beyond are slivers.
 SPREAD: Final = 5.0
+# A mark at the end of its reach moves by at most so much of a step (standard deviation) as errors turn the frame of
+# its ring; half a step is more than four of the deviations that the step is made for, 0.12 each.
+SWAY: Final = 0.05
 # The smallest step, in units of the largest error of a coordinate. Half of it is 4.3 standard deviations of the
 # error of the mark's place, as the spread foretells it; measured on the training models it is 0.7 of that at most,
 # so half a step is 5.7 deviations.

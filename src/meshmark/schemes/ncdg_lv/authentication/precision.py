@@ -13,7 +13,7 @@ from meshmark.schemes.ncdg_lv.authentication.parameters import FAR_AWAY
 
 __all__ = ["TOLERANCES", "Precision", "precision_of", "precisions_of"]
 
-TOLERANCES = ("strict", "tolerant")
+TOLERANCES = ("strict", "default", "tolerant")
 # Half the last digit of an export with six decimals.
 _DECIMALS = 0.5e-6
 # Half the last place of 32-bit floats, relative.
@@ -25,35 +25,45 @@ _GRID = 2.0**-17
 _FELT, _MOST = 2.0, 0.95
 
 _NOT_SIX = "an export with six significant digits is called altered: --tolerance tolerant bears it"
+# Names of the roundings that are borne (`promises.ROUNDINGS`).
+_FLOATS = ("turned", "floats")
+_STRICT = (*_FLOATS, "decimals")
+_DEFAULT = (*_STRICT, "digits")
+_TOLERANT = (*_DEFAULT, "axes", "cells", "side")
 
 
 @dataclass(frozen=True)
 class Precision:
     """error: the largest of a coordinate, in scene units, that must not break a mark; enough: payload bits per
-    vertex that it must leave room for, to be chosen; remark: what is given up with it.
+    vertex that it must leave room for, to be chosen; remark: what is given up with it. bears: names of the
+    `promises.ROUNDINGS` that a model with such marks is promised to bear.
     """
 
     error: float
     enough: float = 0.0
     remark: str | None = None
+    bears: tuple[str, ...] = ()
 
 
 def precisions_of(mesh: Mesh, tolerance: str | None = None) -> tuple[Precision, ...]:
     """Return what may be chosen for a model, coarsest first.
 
-    None: what the model's own file, six decimals, floats of 32 bits after a similarity transform, and an export
-    with six significant digits round; the last of these where it costs no needed payload, decimals and the distance
-    from the origin where there is room. Raises `InputError` for an unknown tolerance.
+    None or "default": what the model's own file, six decimals, floats of 32 bits after a similarity transform, and an
+    export with six significant digits round; the last of these where it costs no needed payload, decimals and the
+    distance from the origin where there is room. Raises `InputError` for an unknown tolerance.
     """
-    if tolerance is not None:
-        return (Precision(precision_of(mesh, tolerance)),)
+    if tolerance is not None and tolerance != "default":
+        return (Precision(precision_of(mesh, tolerance), bears=_TOLERANT if tolerance == "tolerant" else _STRICT),)
     strict, floats = precision_of(mesh), _floats(mesh)
-    chosen = [Precision(strict)]
-    if (digits := _six_digits(mesh)) > strict:
-        chosen = [Precision(digits, enough=1.0), Precision(strict, remark=_NOT_SIX)]
+    digits = _six_digits(mesh)
+    chosen = [
+        Precision(max(digits, strict), enough=float(digits > strict), bears=_DEFAULT),
+        Precision(strict, remark=_NOT_SIX, bears=_STRICT),
+    ]
     if floats < strict:
         remark = "the model is so small that the marks of authentication need more than six decimals"
-        chosen.append(Precision(floats, remark=f"{remark}: in exports with fewer it is called altered"))
+        remark = f"{remark}: in exports with fewer it is called altered"
+        chosen.append(Precision(floats, remark=remark, bears=_FLOATS))
     if (near := _near(mesh)) < floats:
         remark = (
             "the model lies so far from its origin that the marks of authentication need double precision"
@@ -66,13 +76,13 @@ def precision_of(mesh: Mesh, tolerance: str = "strict") -> float:
     """Return the largest error of a coordinate, in scene units, that must not break a mark.
 
     "strict": what the mesh's own file, an export with six decimals, and 32-bit floats after a similarity transform
-    round; "tolerant": also an export with six significant digits or on a grid of 16 bits.
+    round; "default" no less; "tolerant": also an export with six significant digits or on a grid of 16 bits.
     Raises `InputError` for an unknown tolerance.
     """
     if tolerance not in TOLERANCES:
         raise InputError(f"unknown tolerance '{tolerance}', expected one of {', '.join(TOLERANCES)}")
     strict = max(_DECIMALS, _floats(mesh))
-    if tolerance == "strict":
+    if tolerance != "tolerant":
         return strict
     digits = 0.5 * 10.0 ** (np.ceil(np.log10(float(np.abs(_used(mesh)).max()))) - 6.0)
     return max(strict, float(digits), _GRID * float(np.ptp(mesh.vertices, axis=0).max()))

@@ -78,10 +78,16 @@ def likeliest_setting(
         return None
     likely = [np.floor(level_of(shape, finest))[:, None] + np.array(_LIKELY) for _, shape in sample]
     best = _best(points, sample, likely, key, nonce)
-    if best is not None and best.log10_chance <= _CLEAR_LOG10 and best.doubt <= _CLEAR:
+    if best is not None and best.log10_chance <= _CLEAR_LOG10 and best.doubt <= _CLEAR and _inside(best, finest):
         return best
     every_level = [np.tile(np.array(LEVELS), (len(group.vertex), 1)) for group, _ in sample]
     return _best(points, sample, every_level, key, nonce)
+
+
+def _inside(best: Setting, finest: float) -> bool:
+    """Return whether all rings were tried with the levels of this setting: past the last ones marks are missed."""
+    least = 2.0 * float(np.log2(best.unit / finest))
+    return 1 - _LIKELY.stop <= least - best.doubt and least + best.doubt <= -_LIKELY.start
 
 
 def _best(
