@@ -2,9 +2,9 @@
 
 python -m benchmarks.princeton ROWS.csv [--splits train test] [--workers 1] [--limit N] [--seconds 600] [--tables]
 
-Each model is marked with the default options and a key of its own, in a process of its own with a time limit. A row
-is written as soon as its model is done, so an interrupted run goes on where it stopped: run it again. The models come
-in an order in which any first few are spread over sizes. At the end, or at once with --tables, two tables are printed:
+Each model is marked with the default options and a key of its own, in a process of its own with a time limit. A
+row is written as soon as its model is done; run it again to continue an interrupted run. The models come in an
+order in which any first few are spread over sizes. At the end, or at once with --tables, two tables are printed:
 outcomes by size class, and reasons of the models that were not marked with both layers.
 """
 

@@ -34,7 +34,7 @@ def simplify(points: FloatArray, faces: IntArray, count: int) -> tuple[FloatArra
     Faces with edges that more than two faces share stay as they are.
     """
     first = max(int(FOR_EACH * count), AT_LEAST)
-    # A closed surface has two faces for each point; polygon soups have fewer faces than points, and nothing to collapse.
+    # A closed surface has two faces for each point, a polygon soup may have fewer faces than the target.
     if len(points) > 1.2 * first and len(faces) > 2 * first:
         coarse = _coarse(points, faces, 2 * first)
         if len(coarse[1]):

@@ -15,11 +15,10 @@ from meshmark.errors import CapacityError, InputError
 from meshmark.geometry.weld import Welded, weld
 from meshmark.io.save import conform
 from meshmark.mesh import Mesh
-from meshmark.schemes.ncdg_lv.authentication.checks import Checks, check
 from meshmark.schemes.ncdg_lv.authentication.content import Asked, Content, content_for, content_of
-from meshmark.schemes.ncdg_lv.authentication.localisation import altered_points
+from meshmark.schemes.ncdg_lv.authentication.examination import examine
 from meshmark.schemes.ncdg_lv.authentication.marks import Plan, mark, plan
-from meshmark.schemes.ncdg_lv.authentication.payload import HEAD, capacity, decode, encoder
+from meshmark.schemes.ncdg_lv.authentication.payload import HEAD, capacity, encoder, unpack
 from meshmark.schemes.ncdg_lv.authentication.precision import Precision, precisions_of
 from meshmark.schemes.ncdg_lv.authentication.whole import whole_of
 from meshmark.schemes.ncdg_lv.embedding import diagonal_of, displacement_rms
@@ -29,8 +28,9 @@ from meshmark.schemes.ncdg_lv.parameters import BUDGETS, SPACINGS, STEPS
 from meshmark.schemes.ncdg_lv.results import Embedding
 from meshmark.schemes.ncdg_lv.threads import on_one_thread
 from meshmark.schemes.ncdg_lv.undo import sealed
+from meshmark.schemes.ncdg_lv.verification import authentic, verify
 
-__all__ = ["LAYERS", "embed", "still_authentic"]
+__all__ = ["LAYERS", "embed"]
 
 LAYERS = ("both", "ownership", "authentication")
 # Marks for a coarser precision are taken where they cover so much of the points, or of what the finer ones do.
@@ -74,6 +74,7 @@ def embed(
                 "a payload needs the authentication layer, expected layers both or authentication"
             )
         result = embed_ownership(mesh, key, id=identity, strength=strength)
+        verify(result.mesh, key, result)
     elif layers == "authentication":
         result = _on_top(_unmarked(mesh, identity, strength), mesh, key, content, tolerance)
     else:
@@ -83,6 +84,7 @@ def embed(
             if layers is not None or payload is not None:
                 raise CapacityError(str(error)) from None
             result = replace(error.below, remarks=(f"the authentication layer is left out: {error}",))
+            verify(result.mesh, key, result)
     seal = partial(sealed, original=mesh, marked=result.mesh, key=key, identity=identity)
     return replace(result, seconds=perf_counter() - start, seal=seal)
 
@@ -195,9 +197,21 @@ def _on_top(below: Embedding, original: Mesh, key: Key, content: Asked, toleranc
 
 
 def _marked(below: Embedding, original: Mesh, key: Key, content: Asked, tolerance: str | None) -> _Upper:
-    mesh = below.mesh
-    surface = weld(mesh)
-    planned, precision = _planned(mesh, surface, key, tolerance)
+    """Return the marks for the first precision with which they are read back as they should."""
+    surface = weld(below.mesh)
+    refusal = CapacityError("no marks of authentication fit, expected more room for payload")
+    for planned, precision in _planned(below.mesh, surface, key, tolerance):
+        try:
+            return _marked_for(below, original, surface, key, (content, planned, precision))
+        except CapacityError as error:
+            refusal = error
+    raise refusal
+
+
+def _marked_for(
+    below: Embedding, original: Mesh, surface: Welded, key: Key, chosen: tuple[Asked, Plan, Precision]
+) -> _Upper:
+    mesh, (content, planned, precision) = below.mesh, chosen
     symbols = len(np.unique(planned.payload_index))
     packed, remarks = content_for(
         content, surface, whole_of(surface, precision.error), symbols, planned.symbol_bits
@@ -207,14 +221,19 @@ def _marked(below: Embedding, original: Mesh, key: Key, content: Asked, toleranc
     moved = (marked.points != surface.points).any(axis=1)[surface.point_of_vertex]
     vertices = np.where(moved[:, None], marked.points[surface.point_of_vertex], mesh.vertices)
     result = mesh.with_vertices(conform(original, vertices))
-    _read_back(result, key, below.id, packed, known=below.carriers > 0)
+    if not authentic(found := examine(result, key), below.id):
+        raise CapacityError(
+            "the marks of authentication cannot be read back from the positions the file can hold"
+        )
+    if found.payload != unpack(packed):
+        raise CapacityError("the payload cannot be read back from the marked model")
     if precision.remark is not None:
         remarks += (precision.remark,)
     return _Upper(result, marked.count, max(len(packed) - HEAD, 0), remarks)
 
 
-def _planned(mesh: Mesh, surface: Welded, key: Key, tolerance: str | None) -> tuple[Plan, Precision]:
-    """Return the marks for the coarsest precision that leaves room for what it must, and that they can cover."""
+def _planned(mesh: Mesh, surface: Welded, key: Key, tolerance: str | None) -> list[tuple[Plan, Precision]]:
+    """Return marks for the coarsest precision with room enough that they cover, then those for finer ones."""
     tried: list[tuple[Plan, Precision]] = []
     refusal: CapacityError | None = None
     for precision in precisions_of(mesh, tolerance):
@@ -228,33 +247,8 @@ def _planned(mesh: Mesh, surface: Welded, key: Key, tolerance: str | None) -> tu
         tried.append((planned, precision))
         if planned.covered >= _COVERED:
             break
-    if not tried:
-        raise refusal or CapacityError("no marks of authentication fit, expected more room for payload")
-    most = max(planned.covered for planned, _ in tried)
-    return next(pair for pair in tried if pair[0].covered >= _COVERED * most)
-
-
-def _read_back(mesh: Mesh, key: Key, identity: int, packed: bytes, *, known: bool) -> None:
-    surface = weld(mesh)
-    found = _checks(surface, key, identity, known)
-    if not _holds(surface, found, identity):
-        raise CapacityError(
-            "the marks of authentication cannot be read back from the positions the file can hold"
-        )
-    if decode(found.index, found.value, found.symbol_bits) != packed:
-        raise CapacityError("the payload cannot be read back from the marked model")
-
-
-def still_authentic(surface: Welded, key: Key, identity: int, *, known: bool) -> bool:
-    """Return whether the marks of a surface tell this id and no alteration; `known`: so does the layer below."""
-    return _holds(surface, _checks(surface, key, identity, known), identity)
-
-
-def _checks(surface: Welded, key: Key, identity: int, known: bool) -> Checks:
-    """Check as `authenticate` does: where the marks of a small model do not tell the id, the layer below may."""
-    found = check(surface, key)
-    return check(surface, key, identity) if known and found.nonce is None else found
-
-
-def _holds(surface: Welded, found: Checks, identity: int) -> bool:
-    return found.nonce == identity and not altered_points(surface, found).any()
+    if not tried and refusal is not None:
+        raise refusal
+    most = max((planned.covered for planned, _ in tried), default=0.0)
+    best = next((i for i, (planned, _) in enumerate(tried) if planned.covered >= _COVERED * most), 0)
+    return tried[best:]

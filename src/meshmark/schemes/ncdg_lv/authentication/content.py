@@ -56,8 +56,8 @@ def content_for(
 ) -> tuple[bytes, tuple[str, ...]]:
     """Return the packed payload for so many marks with different symbols, and remarks about it.
 
-    surface: of a miniature; whole: what is signed off. Raises `CapacityError` where what was asked for does not fit;
-    of a miniature that nobody asked for a remark says that it is left out.
+    surface: of a miniature; whole: what is signed off. Raises `CapacityError` where what was asked for does not
+    fit; where it is a miniature that nobody asked for, a remark says that it is left out.
     """
     room = capacity(symbols, symbol_bits)
     if asked.kind == "any":

@@ -15,6 +15,7 @@ from meshmark.coding.keys import Key
 from meshmark.coding.message import format_id
 from meshmark.geometry.areas import vertex_areas
 from meshmark.mesh import IntArray, Mesh
+from meshmark.schemes.ncdg_lv.authentication.as_written import Since
 from meshmark.schemes.ncdg_lv.authentication.examination import DOUBTFUL_LOG10, Examination, examine
 from meshmark.schemes.ncdg_lv.authentication.payload import Payload
 from meshmark.schemes.ncdg_lv.authentication.region_map import RegionMap, region_map
@@ -26,12 +27,16 @@ from meshmark.schemes.ncdg_lv.threads import on_one_thread
 
 __all__ = ["Authentication", "authenticate"]
 
+# Where there is an id but no mark of authentication.
+_SINCE = {Since.SAME: "authentic", Since.CHANGED: "altered", Since.UNKNOWN: "inconclusive"}
+
 
 @dataclass(frozen=True, eq=False)
 class Authentication:
     """What the marks of a model say.
 
-    verdict: "authentic", "altered", "not_marked" or "inconclusive"; altered: (n,) which vertices of the file were
+    verdict: "authentic", "altered", "not_marked" or "inconclusive" (also where there is the id alone, and nothing
+    tells whether the model was changed); altered: (n,) which vertices of the file were
     moved, made or laid bare. altered_area_fraction: of the surface, 0 to 1. missing_area_fraction: of the surface
     that was signed off; points_missing: of its points, below 0 where there are more; both None where not known.
     payload: "recovered", "partial" or "none"; content: what was recovered. id: or None.
@@ -145,7 +150,7 @@ def _verdict(found: Examination) -> str:
     if found.marked:
         return "altered" if found.altered.any() or found.points_missing else "authentic"
     if found.id is not None:
-        return "altered" if found.damaged else "not_marked"
+        return _SINCE[found.since]
     return "inconclusive" if found.log10_false_positive <= DOUBTFUL_LOG10 else "not_marked"
 
 
