@@ -2,9 +2,9 @@
 
 python -m benchmarks.false_alarms --store FILE.csv [--models models/test psb/test:100 textured] [--workers 2]
 
-One row a model, layers and tolerance; rows that are in the store are not made again, so a run that was stopped goes
-on. psb/test:100 stands for a seeded 100 of that folder. With --minutes M no row is begun after so long. Prints a table
-of trials and alarms with 95 % upper bounds; exits 1 where there was an alarm.
+One row a model, layers and tolerance; rows that are in the store are not made again, so a run that was stopped
+goes on. psb/test:100 stands for a seeded 100 of that folder. With --minutes M no row is begun after so long.
+Prints a table of trials and alarms with 95 % upper bounds; exits 1 where there was an alarm.
 """
 
 from __future__ import annotations
@@ -44,8 +44,9 @@ ENDINGS = (".xz", ".glb", ".gltf", ".obj", ".ply", ".off", ".stl", ".3mf")
 class Row:
     """What became of a model with these layers and this tolerance.
 
-    outcome: "marked", "refused" (for want of room), or "failed" (any other error). trials: operations, none included;
-    alarms: those after which the model was called altered; alarmed: their names. said: the refusal, or remarks.
+    outcome: "marked", "refused" (for want of room), or "failed" (any other error). trials: operations, the plain
+    file included; alarms: those after which the model was called altered; alarmed: their names. said: the refusal,
+    or remarks.
     """
 
     model: str
@@ -125,7 +126,9 @@ def raises_alarm(mesh: Mesh, identity: int, layers: str) -> bool:
 def main() -> int:
     """Run what is not in the store yet, and print the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--store", type=Path, required=True, help="CSV file of rows; made where there is none")
+    parser.add_argument(
+        "--store", type=Path, required=True, help="CSV file of rows; made where there is none"
+    )
     parser.add_argument("--models", nargs="+", default=list(MODELS), metavar="FOLDER[:N]")
     parser.add_argument("--layers", nargs="+", choices=LAYERS, default=list(LAYERS))
     parser.add_argument("--tolerances", nargs="+", choices=TOLERANCES, default=list(TOLERANCES))
@@ -206,7 +209,7 @@ def table(rows: list[Row]) -> str:
     for row in rows:
         groups[row.layers, row.tolerance].append(row)
     lines = [
-        "| layers | tolerance | marked | refused | failed | trials | alarms | at most (95 %) | models with alarms |",
+        "| layers | tolerance | marked | refused | failed | trials | alarms | at most (95 %) | rows with alarms |",
         "|---|---|---|---|---|---|---|---|---|",
     ]
     for names, part in [*sorted(groups.items()), (("all", ""), rows)]:

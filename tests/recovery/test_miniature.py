@@ -64,7 +64,7 @@ def test_a_miniature_lies_in_canonical_coordinates():
 
 
 def test_a_miniature_needs_some_bytes():
-    with pytest.raises(CapacityError, match="does not fit 10 bytes"):
+    with pytest.raises(CapacityError, match="does not fit the 10 bytes"):
         miniature(*pebble(24), 10)
 
 

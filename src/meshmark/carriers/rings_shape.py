@@ -27,8 +27,8 @@ class RingShapes:
     coincide. offsets: (r, k, 3) the neighbours less the centre, in units of the size. normal: (r, 3) unit, of
     the polygon's area vector; zeros where it has none. distance: (r, k) lengths of the offsets. chord: (r, k)
     from each neighbour to the next. spread: (r,) how much an error of one coordinate of every neighbour and of
-    the middle point grows in the point's place in the ring, a factor of standard deviations. sway: (r,) how much such
-    an error turns the ring's frame, in radians for an error of one ring size: large where the ring is a needle.
+    the middle point grows in the point's place in the ring, a factor of standard deviations. sway: (r,) how much
+    such an error turns the ring's frame, in radians for an error of one ring size: large where it is a needle.
     """
 
     centre: FloatArray

@@ -54,7 +54,8 @@ def authenticate(
     Neither the original nor a certificate is needed. Turning, resizing, another order of vertices and other
     formats are no changes. The map is a PLY with IN's vertices in their order, colours, and a property `altered`.
 
-    Exit code 0: authentic; 1: altered, not marked with this key, or no payload to write; 3: inconclusive.
+    Exit code 0: authentic; 1: altered, not marked with this key, or no payload to write; 3: inconclusive,
+    or only the id is there, which does not tell whether the model was changed.
     """
     from meshmark.coding.keys import Key
     from meshmark.io import read_mesh
@@ -71,7 +72,7 @@ def authenticate(
         found = judge(mesh, secret, reference=reference)
     complete = _write(found, mesh, model, map_, report, payload)
     told = found.to_dict() if as_json else {}
-    answer(f"{_title(found)}: {model}. {found.advice}{_chance(found)}", told, as_json)
+    answer(f"{_WORDS[found.verdict]}: {model}. {found.advice}{_chance(found)}", told, as_json)
     return VERDICT_CODES[found.verdict] or (0 if complete else 1)
 
 
@@ -119,12 +120,6 @@ def _write_payload(found: Authentication, path: Path) -> bool:
     else:
         write_whole(path, found.content.content)
     return True
-
-
-def _title(found: Authentication) -> str:
-    if found.verdict == "not_marked" and found.id is not None:
-        return "No authentication"
-    return _WORDS[found.verdict]
 
 
 def _chance(found: Authentication) -> str:

@@ -11,12 +11,12 @@ from meshmark.mesh import FloatArray
 
 __all__ = ["together"]
 
-# Joined points may be near to others in turn; a chain of points that is longer than so many reaches is left as it is.
+# Joined points may be near to others in turn; a chain of points that is longer than so many reaches is left alone.
 _ROUNDS, _LONGEST = 3, 4.0
 
 
 def together(points: FloatArray, reach: float) -> FloatArray:
-    """Return points (p, 3) of which any that were within `reach` (scene units) of each other coincide in their mean.
+    """Return points (p, 3); those that were within `reach` (scene units) of each other coincide in their mean.
 
     Points that have no other within reach stay where they are.
     """

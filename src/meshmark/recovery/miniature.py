@@ -35,9 +35,9 @@ def miniature(points: FloatArray, faces: IntArray, size_bytes: int) -> bytes:
     canonical = canonical_frame(points, faces).to_canonical(points)
     count = min(int(8 * size_bytes / BITS_OF_POINT), LARGEST_POINTS)
     best = None
-    few, small = simplify(canonical, faces, max(count, 4))
+    few, small = simplify(canonical, faces, max(count, 4)) if size_bytes >= SMALLEST else (canonical, faces)
     for _ in range(TRIES):
-        if size_bytes < SMALLEST:
+        if size_bytes < SMALLEST or not len(small):
             break
         content = _encoded(few, small)
         if len(content) <= size_bytes:
@@ -48,7 +48,9 @@ def miniature(points: FloatArray, faces: IntArray, size_bytes: int) -> bytes:
         if len(few) > 1.03 * count:  # parts that cannot get simpler: the smallest go
             few, small = _largest_parts(few, small, count)
     if best is None:
-        raise CapacityError(f"a miniature of this model does not fit {size_bytes} bytes, expected more")
+        raise CapacityError(
+            f"a miniature of the model does not fit the {size_bytes} bytes that the model has room for"
+        )
     return best
 
 

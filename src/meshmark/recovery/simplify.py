@@ -34,8 +34,11 @@ def simplify(points: FloatArray, faces: IntArray, count: int) -> tuple[FloatArra
     Faces with edges that more than two faces share stay as they are.
     """
     first = max(int(FOR_EACH * count), AT_LEAST)
-    if len(points) > 1.2 * first:
-        points, faces = _coarse(points, faces, 2 * first)
+    # A closed surface has two faces for each point, a polygon soup may have fewer faces than the target.
+    if len(points) > 1.2 * first and len(faces) > 2 * first:
+        coarse = _coarse(points, faces, 2 * first)
+        if len(coarse[1]):
+            points, faces = coarse
     return _Collapser(points, faces).run(count)
 
 

@@ -38,7 +38,7 @@ _TITLES = {
     "not_marked": "Not marked with this key",
     "inconclusive": "Inconclusive",
 }
-_UNSIGNED = "No marks of authentication"
+_UNSIGNED = "Only the id"
 _NEXT = {
     "authentic": "The model is as it was when it was marked. It may have been turned, resized, moved or converted.",
     "altered": "Red is what was moved, made, or laid bare by a deletion. <code>meshmark recover</code> brings the "
@@ -60,7 +60,7 @@ def authentication_page(mesh: Mesh, found: Authentication, name: str) -> str:
     """Return the page; every text in it is escaped."""
     welded = weld(mesh)
     style = resources.files("meshmark").joinpath("report/authentication.css").read_text(encoding="utf-8")
-    unsigned = found.verdict == "not_marked" and found.id is not None
+    unsigned = found.verdict == "inconclusive" and found.id is not None
     heading = _UNSIGNED if unsigned else _TITLES[found.verdict]
     title = f"{name}: {heading}"
     return (

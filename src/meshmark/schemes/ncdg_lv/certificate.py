@@ -10,7 +10,9 @@ the lattice's parameters: neither the surface nor anything of the key. The file 
     landmarks            count, explains (see `geometry.landmarks.Landmarks`), and arrays in base64, little-endian
                          rows: places, normals, masses, curvatures (32-bit floats), descriptors (16-bit floats)
     layers               what was embedded: both, ownership or authentication
-    binding              keyed digests of the frame, and of frame and id (see `binding`)
+    written              of a model with the id alone: keyed digest of its positions, lock and cells of its lattice
+                         (see `authentication.as_written`)
+    binding              keyed digests of the frame, of frame and id, and of layers and written (see `binding`)
     undo                 sealed data that takes the mark off again (see `undo`)
 
 Fields that a reader does not know are kept as they are, so later versions of meshmark can add some.

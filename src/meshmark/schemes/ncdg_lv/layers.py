@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import chain
 from math import inf, log10
 from time import perf_counter
 
@@ -15,16 +12,13 @@ import numpy as np
 from meshmark.coding.keys import Key
 from meshmark.coding.message import check_id, random_id
 from meshmark.errors import CapacityError, InputError
-from meshmark.geometry.together import together
-from meshmark.geometry.weld import Welded, weld
 from meshmark.io.save import conform
 from meshmark.mesh import Mesh
-from meshmark.schemes.ncdg_lv.authentication.checks import Checks, check
 from meshmark.schemes.ncdg_lv.authentication.content import Asked, Content, content_for, content_of
-from meshmark.schemes.ncdg_lv.authentication.localisation import altered_points
-from meshmark.schemes.ncdg_lv.authentication.marks import Plan, mark, plan
-from meshmark.schemes.ncdg_lv.authentication.payload import HEAD, capacity, decode, encoder
-from meshmark.schemes.ncdg_lv.authentication.precision import Precision, precisions_of
+from meshmark.schemes.ncdg_lv.authentication.examination import examine
+from meshmark.schemes.ncdg_lv.authentication.marks import mark
+from meshmark.schemes.ncdg_lv.authentication.payload import HEAD, encoder, unpack
+from meshmark.schemes.ncdg_lv.authentication.planning import Planned, plans
 from meshmark.schemes.ncdg_lv.authentication.promises import broken_by
 from meshmark.schemes.ncdg_lv.authentication.whole import whole_of
 from meshmark.schemes.ncdg_lv.embedding import diagonal_of, displacement_rms
@@ -34,17 +28,11 @@ from meshmark.schemes.ncdg_lv.parameters import BUDGETS, SPACINGS, STEPS
 from meshmark.schemes.ncdg_lv.results import Embedding
 from meshmark.schemes.ncdg_lv.threads import on_one_thread
 from meshmark.schemes.ncdg_lv.undo import sealed
+from meshmark.schemes.ncdg_lv.verification import authentic, verify
 
-__all__ = ["LAYERS", "embed", "still_authentic"]
+__all__ = ["LAYERS", "embed"]
 
 LAYERS = ("both", "ownership", "authentication")
-# Marks for a coarser precision are taken where they cover so much of the points, or of what the finer ones do.
-_COVERED = 0.9
-# Points may become one by rounding, or lie in another order, where they are nearer than so many errors of a coordinate:
-# 2 sqrt 3 of them by the errors of two points.
-_NEAR = 3.5
-# Marks that are not borne are made anew for so many times the error.
-_COARSER = (1.2, 1.45)
 # Room for the upper layer is measured on a surface that then changes a little.
 _MORE = 1.1
 
@@ -88,6 +76,7 @@ def embed(
                 "a payload needs the authentication layer, expected layers both or authentication"
             )
         result = embed_ownership(mesh, key, id=identity, strength=strength)
+        verify(result.mesh, key, result)
     elif layers == "authentication":
         result = _on_top(_unmarked(mesh, identity, strength), mesh, key, content, tolerance)
     else:
@@ -97,6 +86,7 @@ def embed(
             if layers is not None or payload is not None or tolerance is not None:
                 raise CapacityError(str(error)) from None
             result = replace(error.below, remarks=(f"the authentication layer is left out: {error}",))
+            verify(result.mesh, key, result)
     seal = partial(sealed, original=mesh, marked=result.mesh, key=key, identity=identity)
     return replace(result, seconds=perf_counter() - start, seal=seal)
 
@@ -209,117 +199,36 @@ def _on_top(below: Embedding, original: Mesh, key: Key, content: Asked, toleranc
 
 
 def _marked(below: Embedding, original: Mesh, key: Key, content: Asked, tolerance: str | None) -> _Upper:
-    """Return the marks for the first precision with which they are read back, and bear what they should."""
+    """Return the first marks that are read back, and bear what they are promised to."""
     refusal = CapacityError("no marks of authentication fit, expected more room for payload")
-    for first in _planned(below.mesh, key, tolerance):
-        for planned in chain([first], _coarser(below.mesh, key, first.precision)):
-            try:
-                return _marked_for(below, original, key, content, planned)
-            except CapacityError as error:
-                refusal = error
+    for planned in plans(below.mesh, key, tolerance):
+        try:
+            return _marked_for(below, original, key, content, planned)
+        except CapacityError as error:
+            refusal = error
     raise refusal
 
 
-def _marked_for(below: Embedding, original: Mesh, key: Key, content: Asked, planned: _Planned) -> _Upper:
-    mesh, surface, precision, symbol_bits = (
-        planned.mesh,
-        planned.surface,
-        planned.precision,
-        planned.plan.symbol_bits,
-    )
-    symbols = len(np.unique(planned.plan.payload_index))
+def _marked_for(below: Embedding, original: Mesh, key: Key, content: Asked, planned: Planned) -> _Upper:
+    mesh, surface, precision = planned.mesh, planned.surface, planned.precision
+    symbols, symbol_bits = len(np.unique(planned.plan.payload_index)), planned.plan.symbol_bits
     packed, remarks = content_for(content, surface, whole_of(surface, precision.error), symbols, symbol_bits)
     source = encoder(packed, symbol_bits, symbols)
     marked = mark(surface, key, below.id, source, precision.error)
     moved = (marked.points != surface.points).any(axis=1)[surface.point_of_vertex]
     vertices = np.where(moved[:, None], marked.points[surface.point_of_vertex], mesh.vertices)
     result = mesh.with_vertices(conform(original, vertices))
-    _read_back(result, key, below.id, packed, known=below.carriers > 0)
-    broken = broken_by(result, key, below.id, precision.bears, precision.error)
-    if broken is not None:
-        raise CapacityError(f"the marks of authentication would not bear {broken}, as the tolerance promises")
-    if precision.remark is not None:
-        remarks += (precision.remark,)
-    return _Upper(result, marked.count, max(len(packed) - HEAD, 0), remarks)
-
-
-@dataclass(frozen=True, eq=False)
-class _Planned:
-    """Marks on a mesh of which points that rounding may make one are one already."""
-
-    mesh: Mesh
-    surface: Welded
-    plan: Plan
-    precision: Precision
-
-
-def _planned(mesh: Mesh, key: Key, tolerance: str | None) -> Iterator[_Planned]:
-    """Yield marks, best first: for the coarsest precision that leaves room for what it must, and that they can cover.
-
-    Those for finer ones follow. Raises `CapacityError` where there are none at all.
-    """
-    waiting: list[_Planned] = []
-    refusal = CapacityError("no marks of authentication fit, expected more room for payload")
-    yielded = False
-    for precision in precisions_of(mesh, tolerance):
-        try:
-            planned = _plan_for(mesh, key, precision)
-        except CapacityError as error:
-            refusal = error
-            continue
-        plan = planned.plan
-        room = 8 * capacity(plan.payload_marks, plan.symbol_bits)
-        if room < precision.enough * len(planned.surface.points):
-            continue
-        waiting.append(planned)
-        if yielded or plan.covered >= _COVERED:
-            most = max(each.plan.covered for each in waiting)
-            yield from (each for each in waiting if each.plan.covered >= _COVERED * most)
-            waiting, yielded = [], True
-    if waiting:
-        most = max(each.plan.covered for each in waiting)
-        yield from (each for each in waiting if each.plan.covered >= _COVERED * most)
-    elif not yielded:
-        raise refusal
-
-
-def _coarser(mesh: Mesh, key: Key, precision: Precision) -> Iterator[_Planned]:
-    """Yield other marks for a precision, made for a little more: where the first do not hold, these may."""
-    for more in _COARSER:
-        with suppress(CapacityError):
-            yield _plan_for(mesh, key, replace(precision, error=more * precision.error))
-
-
-def _plan_for(mesh: Mesh, key: Key, precision: Precision) -> _Planned:
-    surface = weld(mesh)
-    placed = together(surface.points, _NEAR * precision.error)
-    if (placed != surface.points).any():
-        mesh = mesh.with_vertices(conform(mesh, placed[surface.point_of_vertex]))
-        surface = weld(mesh)
-    return _Planned(mesh, surface, plan(surface, key, precision.error), precision)
-
-
-def _read_back(mesh: Mesh, key: Key, identity: int, packed: bytes, *, known: bool) -> None:
-    surface = weld(mesh)
-    found = _checks(surface, key, identity, known)
-    if not _holds(surface, found, identity):
+    if not authentic(found := examine(result, key), below.id):
         raise CapacityError(
             "the marks of authentication cannot be read back from the positions the file can hold"
         )
-    if decode(found.index, found.value, found.symbol_bits) != packed:
+    if found.payload != unpack(packed):
         raise CapacityError("the payload cannot be read back from the marked model")
-
-
-def still_authentic(surface: Welded, key: Key, identity: int, *, known: bool) -> bool:
-    """Return whether the marks of a surface tell this id and no alteration; `known`: so does the layer below."""
-    return _holds(surface, _checks(surface, key, identity, known), identity)
-
-
-def _checks(surface: Welded, key: Key, identity: int, known: bool) -> Checks:
-    """Check as `authenticate` does: where the marks of a small model do not tell the id, the layer below may."""
-    found = check(surface, key)
-    return check(surface, key, identity) if known and found.nonce is None else found
-
-
-def _holds(surface: Welded, found: Checks, identity: int) -> bool:
-    return found.nonce == identity and not altered_points(surface, found).any()
+    broken = broken_by(result, key, below.id, precision.bears, precision.error)
+    if broken is not None:
+        raise CapacityError(
+            f"the marks of authentication would not survive {broken}, as the tolerance promises"
+        )
+    if precision.remark is not None:
+        remarks += (precision.remark,)
+    return _Upper(result, marked.count, max(len(packed) - HEAD, 0), remarks)

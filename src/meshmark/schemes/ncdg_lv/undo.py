@@ -29,6 +29,7 @@ from meshmark.geometry.frame import Frame, canonical_frame, frame_alternatives
 from meshmark.geometry.weld import weld
 from meshmark.io.save import conform
 from meshmark.mesh import FloatArray, IntArray, Mesh
+from meshmark.schemes.ncdg_lv.authentication.as_written import with_written
 from meshmark.schemes.ncdg_lv.binding import bound, stranger
 from meshmark.schemes.ncdg_lv.certificate import Certificate
 
@@ -66,8 +67,16 @@ class Unmarked:
 def sealed(
     certificate: Certificate, original: Mesh | None, marked: Mesh, key: Key, identity: int
 ) -> Certificate:
-    """Return the certificate of `marked` bound to key and id, with undo data where there is an original."""
-    made = bound(certificate, key, identity)
+    """Return the certificate of `marked` bound to key and id, with undo data where there is an original.
+
+    That of a model with the id alone also keeps what the model was like.
+    """
+    made = (
+        with_written(certificate, marked, key)
+        if certificate.more.get("layers") == "ownership"
+        else certificate
+    )
+    made = bound(made, key, identity)
     return made if original is None else with_undo(made, original, marked, key)
 
 

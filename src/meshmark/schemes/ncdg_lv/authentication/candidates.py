@@ -193,10 +193,10 @@ def _lengths(shapes: RingShapes, level: IntArray) -> tuple[FloatArray, FloatArra
 
 
 def _one_level(shapes: RingShapes, exact: FloatArray, ties: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return (r,): the rings whose level is the same whichever of the farthest neighbours, `ties` (r, k), leads.
+    """Return (r,): the rings whose level is the same whichever of the farthest neighbours, `ties`, leads.
 
-    `exact` (r,) is the level, not rounded down, with the farthest of them. The spread depends on the one that leads,
-    and rounding may make any of them the farthest.
+    `exact` (r,) is the level, not rounded down, with the farthest of them. The spread depends on the one that
+    leads, and rounding may make any of them the farthest.
     """
     same = np.ones(len(exact), bool)
     row, start = np.nonzero(ties)

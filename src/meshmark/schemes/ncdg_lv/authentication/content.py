@@ -8,7 +8,7 @@ from pathlib import Path
 
 from meshmark.errors import CapacityError, InputError
 from meshmark.geometry.weld import Welded
-from meshmark.recovery.miniature import SMALLEST, miniature
+from meshmark.recovery.miniature import miniature
 from meshmark.schemes.ncdg_lv.authentication.payload import INTACT, capacity, pack
 from meshmark.schemes.ncdg_lv.authentication.whole import Whole
 
@@ -56,13 +56,16 @@ def content_for(
 ) -> tuple[bytes, tuple[str, ...]]:
     """Return the packed payload for so many marks with different symbols, and remarks about it.
 
-    surface: of a miniature; whole: what is signed off. Raises `CapacityError` where it does not fit.
+    surface: of a miniature; whole: what is signed off. Raises `CapacityError` where what was asked for does not
+    fit; where it is a miniature that nobody asked for, a remark says that it is left out.
     """
     room = capacity(symbols, symbol_bits)
-    if asked.kind == "any" and room < SMALLEST:
-        remark = f"the model has room for {room} bytes, too few for a miniature: no payload"
-        return pack("none", whole=whole), (remark,)
-    if asked.kind in ("any", "miniature"):
+    if asked.kind == "any":
+        try:
+            return pack("miniature", miniature(surface.points, surface.faces, room), whole), ()
+        except CapacityError as error:
+            return pack("none", whole=whole), (f"{error}: no payload, so altered parts cannot be recovered",)
+    if asked.kind == "miniature":
         return pack("miniature", miniature(surface.points, surface.faces, room), whole), ()
     if asked.kind == "none":
         return pack("none", whole=whole), ()

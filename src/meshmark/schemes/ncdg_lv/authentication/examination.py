@@ -14,6 +14,7 @@ from meshmark.geometry.adjacency import adjacency, unique_edges
 from meshmark.geometry.areas import vertex_areas
 from meshmark.geometry.weld import Welded, weld
 from meshmark.mesh import Mesh
+from meshmark.schemes.ncdg_lv.authentication.as_written import Since, since_written
 from meshmark.schemes.ncdg_lv.authentication.checks import Checks, check
 from meshmark.schemes.ncdg_lv.authentication.localisation import altered_points
 from meshmark.schemes.ncdg_lv.authentication.payload import Payload, decode, unpack
@@ -28,9 +29,6 @@ MARKED_LOG10 = -9.0
 """Marks are there where so many hold by chance less often than this."""
 DOUBTFUL_LOG10 = -4.0
 """Between the two nothing is said."""
-# The ownership layer of a model that was not changed has at least this lock; measured on training models: 0.88 to
-# 1.00, with noise of 0.1 % down to 0.86.
-_UNDAMAGED = 0.8
 # Area is missing where it is off by more than so many deviations of the scale.
 _SURE = 3.0
 
@@ -41,8 +39,8 @@ class Examination:
     None. marked: marks of authentication hold. altered: (p,) points, all of them where no mark holds.
     log10_false_positive: bound on the chance of the marks, or else of the id, without the key. payload: what the
     intact part carries, None where it is too little.
-    Where there is an id but no mark, ownership_only: the certificate says that there never was one; damaged: the
-    certificate says that there was, or the ownership layer itself shows that the shape was changed.
+    Where there is an id but no mark, ownership_only: the certificate says that there never was one; since: what is
+    known of the model since it was written, by its certificate alone.
     remark: a sentence where the certificate is not this model's; nothing was taken from it then.
     """
 
@@ -54,7 +52,7 @@ class Examination:
     log10_false_positive: float
     payload: Payload | None = None
     ownership_only: bool = False
-    damaged: bool = False
+    since: Since = Since.UNKNOWN
     remark: str | None = None
 
     @property
@@ -102,7 +100,13 @@ def examine(mesh: Mesh, key: Key, reference: Certificate | Mesh | None = None) -
         if (known.points_missing or 0) < 0:  # parts were added on which there are no marks to fail
             altered |= unmarked_parts(surface, checks.verified)
         return known
-    layers = certificate.more.get("layers") if certificate is not None and remark is None else None
+    own = certificate if identity is not None and remark is None else None
+    layers = None if own is None else own.more.get("layers")
+    since = Since.UNKNOWN
+    if own is not None and layers == "ownership":
+        since = since_written(own, mesh, key)
+    elif layers == "both":
+        since = Since.CHANGED
     return Examination(
         surface,
         checks,
@@ -111,7 +115,7 @@ def examine(mesh: Mesh, key: Key, reference: Certificate | Mesh | None = None) -
         np.ones(len(surface.points), bool),
         checks.log10_chance if identity is None else found.log10_false_positive,
         ownership_only=layers == "ownership",
-        damaged=layers == "both" or (layers is None and found.lock_score < _UNDAMAGED),
+        since=since,
         remark=remark,
     )
 
@@ -128,9 +132,9 @@ def _packed(checks: Checks) -> bytes | None:
 def _confirmed(surface: Welded, key: Key, identity: int, checks: Checks, packed: bytes) -> Checks:
     """Return the checks anew where a point is altered, or has no other voucher than marks against the payload.
 
-    A mark that was put at random, or holds by luck, says the symbol that the payload has there once in 2^9 or so. In
-    a rounded file one such mark can hide that its neighbour is to be read in another way, or dispute where a shell
-    lies: so nothing is called altered by a check that does not know the payload.
+    A mark that was put at random, or holds by luck, says the symbol that the payload has there once in 2^9 or so.
+    In a rounded file one such mark can hide that its neighbour is to be read in another way, or dispute where a
+    shell lies: so nothing is called altered by a check that does not know the payload.
     """
     source = ErasureCode(packed, checks.symbol_bits)
     right = source(checks.stray_index) == checks.stray_value

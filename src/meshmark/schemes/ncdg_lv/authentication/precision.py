@@ -48,12 +48,14 @@ class Precision:
 def precisions_of(mesh: Mesh, tolerance: str | None = None) -> tuple[Precision, ...]:
     """Return what may be chosen for a model, coarsest first.
 
-    None or "default": what the model's own file, six decimals, floats of 32 bits after a similarity transform, and an
-    export with six significant digits round; the last of these where it costs no needed payload, decimals and the
-    distance from the origin where there is room. Raises `InputError` for an unknown tolerance.
+    None or "default": what the model's own file, six decimals, floats of 32 bits after a similarity transform, and
+    an export with six significant digits round; the last of these where it costs no needed payload, decimals and
+    the distance from the origin where there is room. Raises `InputError` for an unknown tolerance.
     """
     if tolerance is not None and tolerance != "default":
-        return (Precision(precision_of(mesh, tolerance), bears=_TOLERANT if tolerance == "tolerant" else _STRICT),)
+        return (
+            Precision(precision_of(mesh, tolerance), bears=_TOLERANT if tolerance == "tolerant" else _STRICT),
+        )
     strict, floats = precision_of(mesh), _floats(mesh)
     digits = _six_digits(mesh)
     chosen = [

@@ -1,6 +1,6 @@
 """The roundings that a tolerance promises to bear, and whether a marked model does.
 
-Each but the turned one is the same function of a file whoever applies it: what is borne here is borne by every copy.
+Each but the turned one is the same function of a file whoever applies it: what is borne here is borne always.
 """
 
 from __future__ import annotations
@@ -13,7 +13,8 @@ from scipy.spatial.transform import Rotation
 
 from meshmark.coding.keys import Key
 from meshmark.mesh import FloatArray, Mesh
-from meshmark.schemes.ncdg_lv.authentication.examination import Examination, examine
+from meshmark.schemes.ncdg_lv.authentication.examination import examine
+from meshmark.schemes.ncdg_lv.verification import authentic
 
 __all__ = ["ROUNDINGS", "broken_by"]
 
@@ -78,7 +79,7 @@ ROUNDINGS: Final[dict[str, tuple[Rounding, str]]] = {
 
 
 def broken_by(mesh: Mesh, key: Key, identity: int, bears: Iterable[str], error: float) -> str | None:
-    """Return what the first of the roundings `bears` (of `ROUNDINGS`) is called after which a mesh is not authentic.
+    """Return what the first of `ROUNDINGS`, of those named, is called after which a mesh is not authentic.
 
     None where the marks bear them all. error: of a coordinate, that the marks are made for, in scene units.
     """
@@ -87,10 +88,6 @@ def broken_by(mesh: Mesh, key: Key, identity: int, bears: Iterable[str], error: 
         rounded = rounding(mesh.vertices)
         if name != "turned" and np.abs(rounded - mesh.vertices).max() <= _HARMLESS * error:
             continue
-        if not _holds(examine(Mesh(rounded, mesh.faces), key), identity):
+        if not authentic(examine(Mesh(rounded, mesh.faces), key), identity):
             return called
     return None
-
-
-def _holds(found: Examination, identity: int) -> bool:
-    return found.marked and found.id == identity and not (found.altered.any() or found.points_missing)

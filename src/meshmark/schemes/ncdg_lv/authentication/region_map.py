@@ -31,6 +31,12 @@ class RegionMap:
         called = [region for region in self.regions if region.verdict == "altered"]
         return list(dict.fromkeys(region.where for region in sorted(called, key=lambda one: -one.failed)))
 
+    def places_of(self, vertices: FloatArray, some: NDArray[np.bool_]) -> list[str]:
+        """Return where in the model of `vertices` (n, 3) `some` (n,) of them lie, in words, region by region."""
+        regions = np.unique(self.region[some])
+        middles = [vertices[some & (self.region == region)].mean(axis=0) for region in regions]
+        return list(dict.fromkeys(whereabouts(vertices, np.array(middles)))) if middles else []
+
 
 def region_map(mesh: Mesh, found: Examination, altered: NDArray[np.bool_]) -> RegionMap:
     """Return the map of a suspect of which the points `altered` (p,) were altered.

@@ -1,4 +1,4 @@
-"""Whether the marks that fail are those that a rounding of the whole model breaks, and what was changed beyond it."""
+"""Whether marks fail because the whole model was rounded, and what was changed beyond that."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ __all__ = ["Rounded", "rounded_everywhere"]
 
 # As many points are looked at together, and fewer of their marks hold by chance this seldom anywhere.
 _NEAR, _CHANCE = 64, 1e-3
-# Where fewer of the marks that there were hold, what was changed besides cannot be told from rounding: of the points
-# about so many carried marks.
+# Where fewer of the marks that there were hold, what else was changed cannot be told from rounding. About so many
+# of the points carried marks.
 _HOLD, _MARKS = 0.25, 0.29
 
 
@@ -45,13 +45,15 @@ def rounded_everywhere(mesh: Mesh, found: Examination) -> Rounded | None:
     coarse = coarse_digits(mesh.vertices)
     if not found.marked or coarse is None or coarse.half <= error:
         return None
+    if found.checks.torn.any() or found.points_missing:
+        return None
     able, passed = found.checks.eligible, found.checks.passed
     rows = np.flatnonzero(able)
     held = float(passed[rows].mean()) if len(rows) else 0.0
     if held < _HOLD * _MARKS or len(rows) < 2 * _NEAR:
         return None
     points = found.surface.points
-    near = KDTree(points[rows]).query(points[rows], k=_NEAR)[1]
+    near = np.asarray(KDTree(points[rows]).query(points[rows], k=_NEAR)[1])
     count = passed[rows][near].sum(axis=1)
     few = binom.cdf(count, _NEAR, held) < _CHANCE / len(rows)
     beyond = np.zeros(len(points), bool)

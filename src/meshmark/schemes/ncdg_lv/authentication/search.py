@@ -78,7 +78,12 @@ def likeliest_setting(
         return None
     likely = [np.floor(level_of(shape, finest))[:, None] + np.array(_LIKELY) for _, shape in sample]
     best = _best(points, sample, likely, key, nonce)
-    if best is not None and best.log10_chance <= _CLEAR_LOG10 and best.doubt <= _CLEAR and _inside(best, finest):
+    if (
+        best is not None
+        and best.log10_chance <= _CLEAR_LOG10
+        and best.doubt <= _CLEAR
+        and _inside(best, finest)
+    ):
         return best
     every_level = [np.tile(np.array(LEVELS), (len(group.vertex), 1)) for group, _ in sample]
     return _best(points, sample, every_level, key, nonce)

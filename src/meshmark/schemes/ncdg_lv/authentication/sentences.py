@@ -4,29 +4,50 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from meshmark.schemes.ncdg_lv.authentication.as_written import WRONG_LOG10
 from meshmark.schemes.ncdg_lv.authentication.examination import Examination
 from meshmark.schemes.ncdg_lv.authentication.regions import Region
+from meshmark.schemes.ncdg_lv.authentication.rounded import Rounded
 
-__all__ = ["of_altered", "of_marks", "of_number"]
+__all__ = ["of_altered", "of_marks", "of_number", "of_rounded"]
 
 
 def of_marks(verdict: str, found: Examination) -> str:
     """Return the sentence of a model of which no part is called altered by its marks."""
+    if verdict == "authentic" and not found.marked:
+        return (
+            "Nothing was changed since it was marked: its positions and faces are those that its certificate was "
+            "made for."
+        )
     if verdict == "authentic":
         return "Nothing was changed since it was marked."
+    if found.id is not None and not found.marked:
+        return _of_id(verdict, found)
     if verdict == "inconclusive":
         return "There are too few marks to tell; a model of few points, or a small part of one."
     if verdict == "altered" and found.points_missing:
         return of_number(found.points_missing, found.area_missing)
+    return "No mark of this key was found: another key's, never marked, or changed everywhere."
+
+
+def _of_id(verdict: str, found: Examination) -> str:
+    """Return the sentence of a model with the id, but without a mark of authentication."""
+    if verdict == "altered" and found.ownership_only:
+        return (
+            "It carries the owner's id, but less clearly than when it was marked: the surface was changed by more "
+            f"than rounding, an error below 10^{WRONG_LOG10:.0f}. It was marked without the authentication layer, "
+            "so where it was changed cannot be told."
+        )
     if verdict == "altered":
         return "It carries the owner's id, but no mark of authentication holds: it was changed everywhere."
-    if found.id is None:
-        return "No mark of this key was found: another key's, never marked, or changed everywhere."
     if found.ownership_only:
-        return "It carries the owner's id, and was marked without the authentication layer."
+        return (
+            "It carries the owner's id, and was marked without the authentication layer: no change shows, but "
+            "whether there was none cannot be told."
+        )
     return (
-        "It carries the owner's id, but no mark of authentication: it was marked without that layer, or changed a "
-        "little everywhere. Its certificate tells which."
+        "It carries the owner's id, but no mark of authentication: it was marked without that layer, or changed "
+        "everywhere; whether it was changed cannot be told. Its certificate may tell."
     )
 
 
@@ -51,6 +72,20 @@ def of_altered(found: Examination, regions: Sequence[Region], places: Sequence[s
     if gone < 0:
         return text + f"{_percent(share)} of the surface; {-gone:,} points were added."
     return text + f"{_percent(share)} of the surface."
+
+
+def of_rounded(rounded: Rounded, beyond: Sequence[str]) -> str:
+    """Return the sentence of a model that was rounded everywhere, more coarsely than its marks bear.
+
+    beyond: where more was changed than rounding explains.
+    """
+    text = (
+        f"Rounded to {rounded.called} everywhere, more coarsely than the tolerance it was marked with bears"
+    )
+    if not beyond:
+        return f"{text}; no larger part was changed beyond that."
+    where = ", ".join(beyond[:3]) + (" and elsewhere" if len(beyond) > 3 else "")
+    return f"{text}. Changed beyond that: {where}."
 
 
 def of_number(missing: int, area: float | None) -> str:

@@ -15,23 +15,29 @@ from meshmark.coding.keys import Key
 from meshmark.coding.message import format_id
 from meshmark.geometry.areas import vertex_areas
 from meshmark.mesh import IntArray, Mesh
+from meshmark.schemes.ncdg_lv.authentication.as_written import Since
 from meshmark.schemes.ncdg_lv.authentication.examination import DOUBTFUL_LOG10, Examination, examine
 from meshmark.schemes.ncdg_lv.authentication.payload import Payload
 from meshmark.schemes.ncdg_lv.authentication.region_map import RegionMap, region_map
 from meshmark.schemes.ncdg_lv.authentication.regions import Region
-from meshmark.schemes.ncdg_lv.authentication.sentences import of_altered, of_marks
+from meshmark.schemes.ncdg_lv.authentication.rounded import rounded_everywhere
+from meshmark.schemes.ncdg_lv.authentication.sentences import of_altered, of_marks, of_rounded
 from meshmark.schemes.ncdg_lv.certificate import Certificate
 from meshmark.schemes.ncdg_lv.extraction import MODES
 from meshmark.schemes.ncdg_lv.threads import on_one_thread
 
 __all__ = ["Authentication", "authenticate"]
 
+# Where there is an id but no mark of authentication.
+_SINCE = {Since.SAME: "authentic", Since.CHANGED: "altered", Since.UNKNOWN: "inconclusive"}
+
 
 @dataclass(frozen=True, eq=False)
 class Authentication:
     """What the marks of a model say.
 
-    verdict: "authentic", "altered", "not_marked" or "inconclusive"; altered: (n,) which vertices of the file were
+    verdict: "authentic", "altered", "not_marked" or "inconclusive" (also where there is the id alone, and nothing
+    tells whether the model was changed); altered: (n,) which vertices of the file were
     moved, made or laid bare. altered_area_fraction: of the surface, 0 to 1. missing_area_fraction: of the surface
     that was signed off; points_missing: of its points, below 0 where there are more; both None where not known.
     payload: "recovered", "partial" or "none"; content: what was recovered. id: or None.
@@ -113,7 +119,13 @@ def authenticate(mesh: Mesh, key: Key, *, reference: Certificate | Mesh | None =
     draw = partial(region_map, mesh, found, altered)
     if found.marked and altered.any():
         drawn = draw()
-        advice = of_altered(found, drawn.regions, drawn.places(), share)
+        rounded = rounded_everywhere(mesh, found)
+        if rounded is None:
+            advice = of_altered(found, drawn.regions, drawn.places(), share)
+        else:
+            advice = of_rounded(
+                rounded, drawn.places_of(mesh.vertices, rounded.beyond[found.surface.point_of_vertex])
+            )
         draw = partial(_same, drawn)
     else:
         advice = of_marks(verdict, found)
@@ -145,7 +157,7 @@ def _verdict(found: Examination) -> str:
     if found.marked:
         return "altered" if found.altered.any() or found.points_missing else "authentic"
     if found.id is not None:
-        return "altered" if found.damaged else "not_marked"
+        return _SINCE[found.since]
     return "inconclusive" if found.log10_false_positive <= DOUBTFUL_LOG10 else "not_marked"
 
 
