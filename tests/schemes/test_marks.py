@@ -264,5 +264,5 @@ def test_precision_is_that_of_the_file_and_of_benign_exports() -> None:
     assert far[-2].error >= 1e5 * 2.0**-24
     assert far[-1].error == pytest.approx(precisions_of(mesh)[-1].error, rel=0.5)
     assert far[-1].remark is not None
-    with pytest.raises(InputError, match="strict, tolerant"):
+    with pytest.raises(InputError, match="strict, default, tolerant"):
         precision_of(mesh, "loose")

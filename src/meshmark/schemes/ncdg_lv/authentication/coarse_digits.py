@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from meshmark.mesh import FloatArray
 
@@ -17,64 +19,74 @@ _DIGITS: Final = range(3, 8)
 # A coordinate on a grid may be off it by this share of a step, as a later save in fewer digits leaves it; 32-bit
 # floats are off by so many times a coordinate's size.
 _OFF, _FLOATS = 0.1, 1.2e-7
-# Fewer different coordinates lie on some grid by chance.
+# So many of the vertices must lie on it: the others were moved later. By chance 1 in 125 does.
+_SHARE: Final = 0.5
+# Of fewer vertices nothing is said.
 _LEAST: Final = 40
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class CoarseDigits:
-    """called: such as "a grid of 16 bits"; half: the most by which it moved a coordinate, in scene units."""
+    """called: such as "a grid of 16 bits"; half: the most by which it moved a coordinate, in scene units.
+
+    off: (n,) the vertices that do not lie on it.
+    """
 
     called: str
     half: float
+    off: NDArray[np.bool_]
 
 
 def coarse_digits(vertices: FloatArray) -> CoarseDigits | None:
-    """Return the coarsest rounding that all coordinates (n, 3) show; None where they show none.
+    """Return the coarsest rounding that most coordinates (n, 3) show; None where they show none.
 
     Decimals and significant digits of the scene's units, and grids of 6 to 20 bits over the box: of each axis or of
-    the longest side. A model that was turned since it was rounded shows none.
+    the longest side. A model that was turned since it was rounded shows none, nor does one whose box was changed.
     """
-    if len(np.unique(vertices)) < _LEAST:
+    if len(vertices) < _LEAST:
         return None
-    found = [each for each in (_decimals(vertices), _digits(vertices), _grid(vertices)) if each is not None]
+    found = []
+    for way in (_decimals, _digits, _grids):
+        for called, step, off in way(vertices):
+            outside = np.asarray((off > 1.0).any(axis=1))
+            if outside.mean() <= 1.0 - _SHARE:
+                found.append(CoarseDigits(called, step / 2.0, outside))
+                break
     return max(found, key=lambda each: each.half, default=None)
 
 
-def _decimals(vertices: FloatArray) -> CoarseDigits | None:
+_Ways = Iterator[tuple[str, float, FloatArray]]
+
+
+def _decimals(vertices: FloatArray) -> _Ways:
+    """Yield what decimals are called, their step, and how far off (n, 3) each coordinate is, in what is allowed."""
     for count in _DECIMALS:
         step = 10.0**-count
-        if _on(vertices, step, np.abs(vertices).max()):
-            name = f"{count} decimal{'' if count == 1 else 's'}" if count else "whole numbers"
-            return CoarseDigits(name, step / 2.0)
-    return None
+        if (off := _off(vertices, step, np.abs(vertices))) is not None:
+            yield ("whole numbers" if not count else f"{count} decimal{'s' * (count > 1)}"), step, off
 
 
-def _digits(vertices: FloatArray) -> CoarseDigits | None:
+def _digits(vertices: FloatArray) -> _Ways:
     size = np.maximum(np.abs(vertices), np.finfo(float).tiny)
     for count in _DIGITS:
         step = 10.0 ** (np.floor(np.log10(size)) - count + 1.0)
-        if np.all(np.abs(vertices / step - np.rint(vertices / step)) * step <= _FLOATS * size + 1e-3 * step):
-            return CoarseDigits(f"{count} significant digits", float(step.max()) / 2.0)
-    return None
+        off = np.abs(vertices / step - np.rint(vertices / step)) * step / (_FLOATS * size + 1e-3 * step)
+        yield f"{count} significant digits", float(step.max()), off
 
 
-def _grid(vertices: FloatArray) -> CoarseDigits | None:
+def _grids(vertices: FloatArray) -> _Ways:
     low, box = vertices.min(axis=0), np.ptp(vertices, axis=0)
-    largest = float(np.abs(vertices).max())
     for bits in _BITS:
         for sides in (box, np.full(3, box.max())):
             for steps in (2.0**bits - 1.0, 2.0**bits):
-                step = sides / steps
-                if all(_on((vertices - low)[:, k], step[k], largest) for k in range(3) if box[k] > 0.0):
-                    return CoarseDigits(f"a grid of {bits} bits", float(step.max()) / 2.0)
-    return None
+                step = np.where(box > 0.0, sides, 1.0) / steps
+                if (off := _off(vertices - low, step, np.abs(vertices))) is not None:
+                    yield f"a grid of {bits} bits", float(step.max()), off
 
 
-def _on(values: FloatArray, step: float, largest: float) -> bool:
-    """Return whether all values are whole numbers of steps, but for the precision of floats."""
-    allowed = _FLOATS * largest / step
-    if allowed > _OFF:  # finer than the floats can show
-        return False
+def _off(values: FloatArray, step: float | FloatArray, size: FloatArray) -> FloatArray | None:
+    """Return how far values lie from whole steps, in what is allowed; None where floats are too coarse."""
+    if np.max(_FLOATS * size.max() / step) > _OFF:
+        return None
     values = values / step
-    return bool(np.abs(values - np.rint(values)).max() <= _OFF)
+    return np.asarray(np.abs(values - np.rint(values)) / _OFF)

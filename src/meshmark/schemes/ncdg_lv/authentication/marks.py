@@ -15,6 +15,7 @@ from meshmark.carriers.rings_shape import RingShapes, ring_shapes
 from meshmark.coding.keyed import keyed_words, unit_interval
 from meshmark.coding.keys import Key
 from meshmark.errors import CapacityError, InputError
+from meshmark.geometry.adjacency import adjacency, unique_edges
 from meshmark.geometry.weld import Welded
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.schemes.ncdg_lv.authentication.candidates import (
@@ -44,6 +45,9 @@ __all__ = ["Marked", "Plan", "SymbolSource", "mark", "plan"]
 
 # Fewest of the points that may be marks that then are, about: what needs more room than this is not tried.
 _MARK_SHARE = 0.22
+# A point's distance from its ring's middle, times how far errors turn the ring, over how far they move the place of a
+# mark there at all: beyond this, points carry marks only where no other can.
+_FIRM = 4.0
 SymbolSource = Callable[[NDArray[np.uint32]], NDArray[np.uint16]]
 
 
@@ -133,6 +137,7 @@ def _prepared(surface: Welded, key: Key, precision: float) -> tuple[Plan, Candid
     parts = list(zip(rings, shapes, strict=True))
     chance = unit_interval(keyed_words(key.subkey("authentication choice of marks"), len(points)))
     levels = _room(len(points), parts, unit)
+    firm = _firm(points, parts)
     fewest = min(layout.levels for layout in LAYOUTS.values())
     enough = COVERING * (levels >= fewest).sum()
     for wanted in (PSNR_WANTED, PSNR_LEAST):
@@ -141,7 +146,7 @@ def _prepared(surface: Welded, key: Key, precision: float) -> tuple[Plan, Candid
             allowed = levels >= layout.levels
             if allowed.sum() < enough or _rms(parts, allowed, unit, layout) * sqrt(_MARK_SHARE) > most:
                 continue
-            chosen = independent_points(surface.faces, allowed, chance)
+            chosen = _firm_first(surface.faces, allowed, firm, chance)
             if _rms(parts, chosen, unit, layout) <= most:
                 return _plan(points, parts, chosen, unit, layout, key)
     raise CapacityError(
@@ -150,6 +155,30 @@ def _prepared(surface: Welded, key: Key, precision: float) -> tuple[Plan, Candid
 
 
 _Parts = list[tuple[Rings, RingShapes]]
+
+
+def _firm(points: FloatArray, parts: _Parts) -> NDArray[np.bool_]:
+    """Return (p,): the points that do not lie so far from the middle of a needle ring that its turning moves them.
+
+    What else an error does to a mark's place the ring alone tells (`RingShapes.spread`).
+    """
+    firm = np.ones(len(points), bool)
+    for group, shape in parts:
+        far = np.linalg.norm(points[group.vertex] - shape.centre, axis=1)
+        firm[group.vertex] = far * shape.sway <= _FIRM * shape.spread * shape.size
+    return firm
+
+
+def _firm_first(
+    faces: IntArray, allowed: NDArray[np.bool_], firm: NDArray[np.bool_], chance: FloatArray
+) -> NDArray[np.bool_]:
+    """Return (p,): a maximal set of points `allowed` (p,) without neighbours in it, others than `firm` where needed."""
+    chosen = independent_points(faces, allowed & firm, chance)
+    if (allowed & ~firm).any():
+        graph = adjacency(unique_edges(faces), len(allowed))
+        free = allowed & ~chosen & ~(graph @ chosen.astype(np.float64) > 0.0)
+        chosen |= independent_points(faces, free, chance)
+    return chosen
 
 
 def _plan(

@@ -9,54 +9,61 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 from scipy.stats import binom
 
-from meshmark.mesh import Mesh
+from meshmark.mesh import FloatArray, Mesh
 from meshmark.schemes.ncdg_lv.authentication.coarse_digits import coarse_digits
 from meshmark.schemes.ncdg_lv.authentication.examination import Examination
 from meshmark.schemes.ncdg_lv.authentication.parameters import UNIT
 
 __all__ = ["Rounded", "rounded_everywhere"]
 
-# As many points are looked at together, and fewer of their marks hold by chance this seldom anywhere.
-_NEAR, _CHANCE = 64, 1e-3
-# Where fewer of the marks that there were hold, what else was changed cannot be told from rounding. About so many
-# of the points carried marks.
-_HOLD, _MARKS = 0.25, 0.29
+# Groups of so many neighbouring points are looked at; that so many of one fail is this unlikely among all groups. A
+# mark that is lost leaves about so many points without one.
+_GROUPS, _CHANCE, _TOGETHER = (32, 64, 128), 1e-3, 4
+# Where more of the points fail, what else was changed cannot be told.
+_MOST = 0.5
 
 
 @dataclass(frozen=True, eq=False)
 class Rounded:
-    """called: what the model was rounded to. beyond: (p,) points around which far fewer marks hold than elsewhere.
+    """called: what the model was rounded to. beyond: (n,) vertices that were changed beyond that.
 
-    lost: about which share of the marks fails, 0 to 1.
+    clear: enough marks hold to tell whether more was changed than lies off the grid.
     """
 
     called: str
     beyond: NDArray[np.bool_]
-    lost: float
+    clear: bool
 
 
 def rounded_everywhere(mesh: Mesh, found: Examination) -> Rounded | None:
-    """Return the rounding of all coordinates that explains why marks fail; None where it does not.
+    """Return the rounding of the coordinates that explains why marks fail; None where none does.
 
-    It does where it is coarser than what the marks were made for, and where marks fail everywhere alike. An edit is
-    no less told by this: around it no mark holds, and such places are `beyond` what rounding explains.
+    It does where it is coarser than what the marks were made for. An edit is no less told by this: it lies off the
+    grid, or far more fails around it than elsewhere.
     """
-    error = found.checks.step / UNIT
+    if not found.marked or found.checks.torn.any() or found.points_missing:
+        return None
     coarse = coarse_digits(mesh.vertices)
-    if not found.marked or coarse is None or coarse.half <= error:
+    if coarse is None or coarse.half <= found.checks.step / UNIT:
         return None
-    if found.checks.torn.any() or found.points_missing:
-        return None
-    able, passed = found.checks.eligible, found.checks.passed
-    rows = np.flatnonzero(able)
-    held = float(passed[rows].mean()) if len(rows) else 0.0
-    if held < _HOLD * _MARKS or len(rows) < 2 * _NEAR:
-        return None
-    points = found.surface.points
-    near = np.asarray(KDTree(points[rows]).query(points[rows], k=_NEAR)[1])
-    count = passed[rows][near].sum(axis=1)
-    few = binom.cdf(count, _NEAR, held) < _CHANCE / len(rows)
-    beyond = np.zeros(len(points), bool)
-    beyond[rows[near[few].ravel()]] = True
-    beyond &= found.altered
-    return Rounded(coarse.called, beyond, max(0.0, 1.0 - held / _MARKS))
+    of_vertex = found.surface.point_of_vertex
+    off = np.zeros(len(found.surface.points), bool)
+    off[of_vertex[coarse.off]] = True
+    rows = np.flatnonzero(found.checks.eligible & ~off)
+    failing = ~found.checks.verified[rows]
+    clear = len(rows) >= 2 * max(_GROUPS) and float(failing.mean()) <= _MOST
+    if clear:
+        off[rows[_crowded(found.surface.points[rows], failing)]] = True
+    return Rounded(coarse.called, (off & found.altered)[of_vertex], clear)
+
+
+def _crowded(points: FloatArray, failing: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return (r,): which of `points` (r, 3) lie in a group of which far more are `failing` (r,) than of all."""
+    tree, share = KDTree(points), float(failing.mean())
+    crowded = np.zeros(len(points), bool)
+    for size in _GROUPS:
+        near = np.asarray(tree.query(points, k=size)[1])
+        count = failing[near].sum(axis=1) // _TOGETHER
+        many = binom.sf(count - 1, size // _TOGETHER, share) < _CHANCE / len(points)
+        crowded[near[many].ravel()] = True
+    return crowded

@@ -82,10 +82,12 @@ def of_rounded(rounded: Rounded, beyond: Sequence[str]) -> str:
     text = (
         f"Rounded to {rounded.called} everywhere, more coarsely than the tolerance it was marked with bears"
     )
-    if not beyond:
-        return f"{text}; no larger part was changed beyond that."
-    where = ", ".join(beyond[:3]) + (" and elsewhere" if len(beyond) > 3 else "")
-    return f"{text}. Changed beyond that: {where}."
+    if beyond:
+        where = ", ".join(beyond[:3]) + (" and elsewhere" if len(beyond) > 3 else "")
+        return f"{text}. Changed beyond that: {where}."
+    if not rounded.clear:
+        return f"{text}: too few marks are left to tell whether more was changed."
+    return f"{text}; no larger part was changed beyond that."
 
 
 def of_number(missing: int, area: float | None) -> str:

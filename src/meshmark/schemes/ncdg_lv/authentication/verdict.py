@@ -123,9 +123,7 @@ def authenticate(mesh: Mesh, key: Key, *, reference: Certificate | Mesh | None =
         if rounded is None:
             advice = of_altered(found, drawn.regions, drawn.places(), share)
         else:
-            advice = of_rounded(
-                rounded, drawn.places_of(mesh.vertices, rounded.beyond[found.surface.point_of_vertex])
-            )
+            advice = of_rounded(rounded, drawn.places_of(mesh.vertices, rounded.beyond))
         draw = partial(_same, drawn)
     else:
         advice = of_marks(verdict, found)
