@@ -50,8 +50,9 @@ def embed(
     tolerance: Annotated[
         Tolerance | None,
         typer.Option(
-            help="strict: every change above the file's precision counts; tolerant: rounding to 16 bits does not. "
-            "Without this option also rounding to six digits does not, where there is room."
+            help="strict: every change above the file's precision counts; tolerant: rounding to 16 bits does not; "
+            "default: rounding to six digits does not, where there is room. A tolerance that is asked for is kept, "
+            "or the model refused; without this option, default, or the id alone where marks do not fit."
         ),
     ] = None,
     certificate: Annotated[

@@ -45,8 +45,8 @@ __all__ = ["Marked", "Plan", "SymbolSource", "mark", "plan"]
 
 # Fewest of the points that may be marks that then are, about: what needs more room than this is not tried.
 _MARK_SHARE = 0.22
-# A point's distance from its ring's middle, times how far errors turn the ring, over how far they move the place of a
-# mark there at all: beyond this, points carry marks only where no other can.
+# A point's distance from its ring's middle, times how far errors turn the ring, over how far they move the place of
+# a mark there at all: beyond this, points carry marks only where no other can.
 _FIRM = 4.0
 SymbolSource = Callable[[NDArray[np.uint32]], NDArray[np.uint16]]
 
@@ -172,7 +172,7 @@ def _firm(points: FloatArray, parts: _Parts) -> NDArray[np.bool_]:
 def _firm_first(
     faces: IntArray, allowed: NDArray[np.bool_], firm: NDArray[np.bool_], chance: FloatArray
 ) -> NDArray[np.bool_]:
-    """Return (p,): a maximal set of points `allowed` (p,) without neighbours in it, others than `firm` where needed."""
+    """Return (p,): a maximal set of `allowed` (p,) points without neighbours in it, `firm` (p,) ones first."""
     chosen = independent_points(faces, allowed & firm, chance)
     if (allowed & ~firm).any():
         graph = adjacency(unique_edges(faces), len(allowed))
