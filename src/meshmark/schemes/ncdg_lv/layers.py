@@ -139,7 +139,10 @@ def _both(
     mesh: Mesh, key: Key, identity: int, strength: str, content: Asked, tolerance: str | None
 ) -> Embedding:
     """Return both layers; a second time with less of the budget for the lower one where the first is too much."""
-    below = embed_ownership(mesh, key, id=identity, strength=strength)
+    try:
+        below = embed_ownership(mesh, key, id=identity, strength=strength)
+    except CapacityError as error:
+        raise CapacityError(f"{error}{_authentication_alone(mesh, key, tolerance)}") from None
     try:
         return _on_top(below, mesh, key, content, tolerance)
     except _OverBudgetError as error:
@@ -153,6 +156,15 @@ def _both(
             raise _NoRoomError(below, str(again)) from None
     except CapacityError as error:
         raise _NoRoomError(below, str(error)) from None
+
+
+def _authentication_alone(mesh: Mesh, key: Key, tolerance: str | None) -> str:
+    """Return what to add to the refusal of the id where there is room for the marks of authentication."""
+    try:
+        fits = bool(_planned(mesh, weld(mesh), key, tolerance))
+    except CapacityError:
+        fits = False
+    return "; for --layers authentication, without an id that survives damage, there is room" if fits else ""
 
 
 class _OverBudgetError(CapacityError):
