@@ -51,8 +51,8 @@ def test_a_surface_with_two_sides_is_called_doubled():
 
 def test_leaves_that_point_every_way_are_named():
     random = np.random.default_rng(5)
-    corners = random.normal(size=(4000, 1, 3)) + 0.3 * random.normal(size=(4000, 3, 3))
-    text = refusal(Mesh(corners.reshape(-1, 3), np.arange(12000).reshape(-1, 3)))
+    corners = random.normal(size=(6000, 1, 3)) + 0.15 * random.normal(size=(6000, 3, 3))
+    text = refusal(Mesh(corners.reshape(-1, 3), np.arange(18000).reshape(-1, 3)))
     assert "faces that point every way" in text
     assert "too few points" not in text
 

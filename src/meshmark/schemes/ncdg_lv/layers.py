@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import chain, islice
 from math import inf, log10
 from time import perf_counter
 
@@ -35,6 +36,9 @@ __all__ = ["LAYERS", "embed"]
 LAYERS = ("both", "ownership", "authentication")
 # Marks for a coarser precision are taken where they cover so much of the points, or of what the finer ones do.
 _COVERED = 0.9
+# So many choices of marks are looked at for a precision, and so many that tell the id made and read back. Most of
+# the choices of a small model leave out a piece of the id.
+_CHOICES, _READ = 8, 3
 # Room for the upper layer is measured on a surface that then changes a little.
 _MORE = 1.1
 
@@ -209,36 +213,60 @@ def _on_top(below: Embedding, original: Mesh, key: Key, content: Asked, toleranc
 
 
 def _marked(below: Embedding, original: Mesh, key: Key, content: Asked, tolerance: str | None) -> _Upper:
-    """Return the marks for the first precision with which they are read back as they should."""
+    """Return the first marks that are read back as they should.
+
+    For each precision a few choices are tried, as some leave a point without a voucher.
+    """
     surface = weld(below.mesh)
     refusal = CapacityError("no marks of authentication fit, expected more room for payload")
     for planned, precision in _planned(below.mesh, surface, key, tolerance):
+        others = (plan(surface, key, precision.error, choice) for choice in range(1, _CHOICES))
+        telling = (
+            _Chosen(content, each, precision, choice)
+            for choice, each in enumerate(chain([planned], others))
+            if each.tells_id or below.carriers
+        )
+        refusal = CapacityError("the model has room for too few marks of authentication to tell its id")
         try:
-            return _marked_for(below, original, surface, key, (content, planned, precision))
+            for chosen in islice(telling, _READ):
+                try:
+                    return _marked_for(below, original, surface, key, chosen)
+                except _UnreadError as error:
+                    refusal = error
         except CapacityError as error:
             refusal = error
     raise refusal
 
 
-def _marked_for(
-    below: Embedding, original: Mesh, surface: Welded, key: Key, chosen: tuple[Asked, Plan, Precision]
-) -> _Upper:
-    mesh, (content, planned, precision) = below.mesh, chosen
+@dataclass(frozen=True, eq=False)
+class _Chosen:
+    content: Asked
+    plan: Plan
+    precision: Precision
+    choice: int
+
+
+class _UnreadError(CapacityError):
+    """The marks of authentication are not read back as they should."""
+
+
+def _marked_for(below: Embedding, original: Mesh, surface: Welded, key: Key, chosen: _Chosen) -> _Upper:
+    mesh, planned, precision = below.mesh, chosen.plan, chosen.precision
     symbols = len(np.unique(planned.payload_index))
     packed, remarks = content_for(
-        content, surface, whole_of(surface, precision.error), symbols, planned.symbol_bits
+        chosen.content, surface, whole_of(surface, precision.error), symbols, planned.symbol_bits
     )
     source = encoder(packed, planned.symbol_bits, symbols)
-    marked = mark(surface, key, below.id, source, precision.error)
+    marked = mark(surface, key, below.id, source, precision.error, choice=chosen.choice)
     moved = (marked.points != surface.points).any(axis=1)[surface.point_of_vertex]
     vertices = np.where(moved[:, None], marked.points[surface.point_of_vertex], mesh.vertices)
     result = mesh.with_vertices(conform(original, vertices))
     if not authentic(found := examine(result, key), below.id):
-        raise CapacityError(
+        raise _UnreadError(
             "the marks of authentication cannot be read back from the positions the file can hold"
         )
     if found.payload != unpack(packed):
-        raise CapacityError("the payload cannot be read back from the marked model")
+        raise _UnreadError("the payload cannot be read back from the marked model")
     if precision.remark is not None:
         remarks += (precision.remark,)
     return _Upper(result, marked.count, max(len(packed) - HEAD, 0), remarks)
