@@ -203,3 +203,17 @@ def test_a_strip_closes_the_gap_between_two_rings(counts):
     a, b, c = places[faces].transpose(1, 0, 2)
     heights = np.cross(b - a, c - a)[:, 2]
     assert (heights > -1e-12).all()
+
+
+@pytest.mark.parametrize("cards", [700, 1000, 2500])
+def test_a_soup_with_fewer_faces_than_the_target_gets_a_miniature(cards):
+    # Leaf cards: four points and two faces each, more points than the library is asked to leave faces.
+    random = np.random.default_rng(cards)
+    middle, axes = random.normal(size=(cards, 1, 3)), random.normal(size=(cards, 2, 3))
+    corner = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+    points = (middle + 0.05 * corner @ axes).reshape(-1, 3)
+    faces = (4 * np.arange(cards)[:, None, None] + np.array([[0, 1, 2], [0, 2, 3]])).reshape(-1, 3)
+    few, small = simplify(points, faces, 300)
+    assert 0 < len(small) <= len(faces)
+    assert len(few) <= len(points)
+    assert len(miniature(points, faces, 500)) <= 500

@@ -34,6 +34,7 @@ from meshmark.schemes.ncdg_lv.parameters import (
 )
 from meshmark.schemes.ncdg_lv.results import Embedding, Extraction
 from meshmark.schemes.ncdg_lv.shaping import Shaping
+from meshmark.schemes.ncdg_lv.shortfall import why_not
 from meshmark.schemes.ncdg_lv.threads import on_one_thread
 
 __all__ = ["diagonal_of", "displacement_rms", "embed"]
@@ -70,13 +71,15 @@ def embed(
     budget = sqrt(BUDGETS[strength] ** 2 - reserve**2) * diagonal
     surface = weld(mesh)
     frame = canonical_frame(surface.points, surface.faces)
-    most, tried = 0, False
+    nearest: tuple[tuple[bool, int], str] | None = None
     for shaping in _shapings(surface, frame, key, bits):
         carriers = shaping.carriers if shaping.capacity >= CARRIER_MINIMUM else shaping.capacity
-        most = max(most, carriers)
-        if carriers < CARRIER_MINIMUM or shaping.bits < HOPELESS_BITS:
+        tried = carriers >= CARRIER_MINIMUM and shaping.bits >= HOPELESS_BITS
+        if nearest is None or (tried, carriers) > nearest[0]:
+            reason = why_not(shaping.surroundings, carriers, shaping.capacity, strength, tried)
+            nearest = (tried, carriers), reason
+        if not tried:
             continue
-        tried = True
         # Marking changes the area by far less than this.
         likeliest = {preferred_spacings(frame.area * change)[0] for change in (0.97, 1.03)} == {
             shaping.spacing
@@ -84,7 +87,9 @@ def embed(
         attempt = _largest_step(mesh, surface, key, identity, shaping, budget, likeliest)
         if attempt is not None:
             return _finish(mesh, attempt, identity, strength, diagonal, perf_counter() - start)
-    raise CapacityError(_advice(most, len(surface.points), strength, tried))
+    raise CapacityError(
+        nearest[1] if nearest is not None else "the model has no surface that could carry 64 bits"
+    )
 
 
 def _check(strength: str, reserve: float) -> None:
@@ -186,20 +191,3 @@ def _finish(
         spacing=attempt.spacing,
         step=attempt.step,
     )
-
-
-def _advice(carriers: int, points: int, strength: str, tried: bool) -> str:
-    text = f"the model cannot carry 64 bits at strength {strength}: it needs about {CARRIER_MINIMUM} carriers"
-    if carriers < CARRIER_MINIMUM:
-        return (
-            f"{text}, has {carriers} ({points} points); no strength helps where there are too few points, or faces "
-            "that point every way"
-        )
-    if not tried:
-        return (
-            f"{text}, has {carriers} among too many that cannot be set ({points} points); no strength helps where "
-            "there are too few points"
-        )
-    text = f"{text} that hold their bits, has {carriers} of which too few do ({points} points)"
-    stronger = {"subtle": "standard", "standard": "strong"}.get(strength)
-    return f"{text}; --strength {stronger} was not tried" if stronger else text

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import islice
 from math import inf, log10
 from time import perf_counter
 
@@ -16,7 +18,7 @@ from meshmark.io.save import conform
 from meshmark.mesh import Mesh
 from meshmark.schemes.ncdg_lv.authentication.content import Asked, Content, content_for, content_of
 from meshmark.schemes.ncdg_lv.authentication.examination import examine
-from meshmark.schemes.ncdg_lv.authentication.marks import mark
+from meshmark.schemes.ncdg_lv.authentication.marks import mark, plan
 from meshmark.schemes.ncdg_lv.authentication.payload import HEAD, encoder, unpack
 from meshmark.schemes.ncdg_lv.authentication.planning import Planned, plans
 from meshmark.schemes.ncdg_lv.authentication.promises import broken_by
@@ -33,6 +35,9 @@ from meshmark.schemes.ncdg_lv.verification import authentic, verify
 __all__ = ["LAYERS", "embed"]
 
 LAYERS = ("both", "ownership", "authentication")
+# So many choices of marks are looked at for a precision, and so many that tell the id made and read back. Most of
+# the choices of a small model leave out a piece of the id.
+_CHOICES, _READ = 8, 3
 # Room for the upper layer is measured on a surface that then changes a little.
 _MORE = 1.1
 
@@ -141,7 +146,10 @@ def _both(
     mesh: Mesh, key: Key, identity: int, strength: str, content: Asked, tolerance: str | None
 ) -> Embedding:
     """Return both layers; a second time with less of the budget for the lower one where the first is too much."""
-    below = embed_ownership(mesh, key, id=identity, strength=strength)
+    try:
+        below = embed_ownership(mesh, key, id=identity, strength=strength)
+    except CapacityError as error:
+        raise CapacityError(f"{error}{_authentication_alone(mesh, key, tolerance)}") from None
     try:
         return _on_top(below, mesh, key, content, tolerance)
     except _OverBudgetError as error:
@@ -155,6 +163,15 @@ def _both(
             raise _NoRoomError(below, str(again)) from None
     except CapacityError as error:
         raise _NoRoomError(below, str(error)) from None
+
+
+def _authentication_alone(mesh: Mesh, key: Key, tolerance: str | None) -> str:
+    """Return what to add to the refusal of the id where there is room for the marks of authentication."""
+    try:
+        fits = next(plans(mesh, key, tolerance), None) is not None
+    except CapacityError:
+        fits = False
+    return "; for --layers authentication, without an id that survives damage, there is room" if fits else ""
 
 
 class _OverBudgetError(CapacityError):
@@ -199,14 +216,35 @@ def _on_top(below: Embedding, original: Mesh, key: Key, content: Asked, toleranc
 
 
 def _marked(below: Embedding, original: Mesh, key: Key, content: Asked, tolerance: str | None) -> _Upper:
-    """Return the first marks that are read back, and bear what they are promised to."""
+    """Return the first marks that are read back as they should, and bear what they are promised to.
+
+    For each precision a few choices are tried, as some leave a point without a voucher.
+    """
     refusal = CapacityError("no marks of authentication fit, expected more room for payload")
     for planned in plans(below.mesh, key, tolerance):
+        telling = (each for each in _choices(planned, key) if each.plan.tells_id or below.carriers)
+        refusal = CapacityError("the model has room for too few marks of authentication to tell its id")
         try:
-            return _marked_for(below, original, key, content, planned)
+            for chosen in islice(telling, _READ):
+                try:
+                    return _marked_for(below, original, key, content, chosen)
+                except _UnreadError as error:
+                    refusal = error
         except CapacityError as error:
             refusal = error
     raise refusal
+
+
+def _choices(planned: Planned, key: Key) -> Iterator[Planned]:
+    """Yield the plan, then those of other keyed choices of points."""
+    yield planned
+    for choice in range(1, _CHOICES):
+        other = plan(planned.surface, key, planned.precision.error, choice)
+        yield replace(planned, plan=other, choice=choice)
+
+
+class _UnreadError(CapacityError):
+    """The marks of authentication are not read back as they should."""
 
 
 def _marked_for(below: Embedding, original: Mesh, key: Key, content: Asked, planned: Planned) -> _Upper:
@@ -214,16 +252,16 @@ def _marked_for(below: Embedding, original: Mesh, key: Key, content: Asked, plan
     symbols, symbol_bits = len(np.unique(planned.plan.payload_index)), planned.plan.symbol_bits
     packed, remarks = content_for(content, surface, whole_of(surface, precision.error), symbols, symbol_bits)
     source = encoder(packed, symbol_bits, symbols)
-    marked = mark(surface, key, below.id, source, precision.error)
+    marked = mark(surface, key, below.id, source, precision.error, choice=planned.choice)
     moved = (marked.points != surface.points).any(axis=1)[surface.point_of_vertex]
     vertices = np.where(moved[:, None], marked.points[surface.point_of_vertex], mesh.vertices)
     result = mesh.with_vertices(conform(original, vertices))
     if not authentic(found := examine(result, key), below.id):
-        raise CapacityError(
+        raise _UnreadError(
             "the marks of authentication cannot be read back from the positions the file can hold"
         )
     if found.payload != unpack(packed):
-        raise CapacityError("the payload cannot be read back from the marked model")
+        raise _UnreadError("the payload cannot be read back from the marked model")
     broken = broken_by(result, key, below.id, precision.bears, precision.error)
     if broken is not None:
         raise CapacityError(

@@ -36,6 +36,7 @@ from meshmark.schemes.ncdg_lv.parameters import (
     SOLVE_PASSES,
     SOLVE_TOLERANCE,
 )
+from meshmark.schemes.ncdg_lv.shortfall import Surroundings, surroundings_of
 
 __all__ = ["Shaping"]
 
@@ -56,6 +57,7 @@ class Shaping:
         read, chosen = select_cells(cells, EXTRACT_SELECTION), select_cells(cells, EMBED_SELECTION)
         self.capacity = len(read)
         self._candidates, self._read_too = cells.take(chosen), np.isin(chosen, read)
+        self._all = cells
 
     @property
     def carriers(self) -> int:
@@ -68,6 +70,11 @@ class Shaping:
         wrong = 0.5 * (1.0 - self.carriers / max(self.capacity, 1))
         lost = sum(-share * log2(share) for share in (wrong, 1.0 - wrong) if share > 0.0)
         return self.capacity * (1.0 - lost)
+
+    @property
+    def surroundings(self) -> Surroundings:
+        """What the cells see of the surface, to say why there are too few that carry."""
+        return surroundings_of(self._all, self._placed, self._surface.faces)
 
     def rms(self, step: float) -> float:
         """Return the first-order RMS displacement in scene units, over vertices or over area: the larger.

@@ -38,7 +38,7 @@ from meshmark.schemes.ncdg_lv.authentication.parameters import (
     UNIT,
     Layout,
 )
-from meshmark.schemes.ncdg_lv.authentication.symbols import header_symbols, place_symbols
+from meshmark.schemes.ncdg_lv.authentication.symbols import covers_id, header_symbols, place_symbols
 from meshmark.schemes.ncdg_lv.authentication.words import PURPOSE, bind, places_of, words_of
 
 __all__ = ["Marked", "Plan", "SymbolSource", "mark", "plan"]
@@ -58,7 +58,7 @@ class Plan:
     marks: (m,) the points that carry marks. payload_marks: how many of them carry payload.
     payload_index: (payload_marks,) uint32 of their symbols; rings that are alike share one.
     layout: bits per mark. unit: smallest step, in scene units. covered: share of the points that faces use
-    which are marks or in the ring of one, 0 to 1.
+    which are marks or in the ring of one, 0 to 1. tells_id: the marks carry every piece of the model's id.
     """
 
     marks: IntArray
@@ -66,6 +66,7 @@ class Plan:
     layout: Layout
     unit: float
     covered: float
+    tells_id: bool
 
     @property
     def symbol_bits(self) -> int:
@@ -93,24 +94,26 @@ class Marked:
     step: float
 
 
-def plan(surface: Welded, key: Key, precision: float) -> Plan:
+def plan(surface: Welded, key: Key, precision: float, choice: int = 0) -> Plan:
     """Choose the marks and their size, for coordinates that may be off by up to `precision` (scene units).
 
-    Raises `InputError` for a precision that is not a positive number, `CapacityError` where the surface has too few
-    rings that are large enough.
+    choice: another number gives other marks. Raises `InputError` for a precision that is not a positive number,
+    `CapacityError` where the surface has too few rings that are large enough.
     """
-    plan, _ = _prepared(surface, key, precision)
+    plan, _ = _prepared(surface, key, precision, choice)
     return plan
 
 
-def mark(surface: Welded, key: Key, nonce: int, symbols: SymbolSource, precision: float) -> Marked:
+def mark(
+    surface: Welded, key: Key, nonce: int, symbols: SymbolSource, precision: float, *, choice: int = 0
+) -> Marked:
     """Return the surface with marks that are bound to the key, the nonce (the model's id) and the place.
 
     symbols: the payload's symbols for indices, (m,) uint32 -> (m,) uint16. Raises as `plan` does.
     """
     if not 0 <= nonce < 1 << 64:
         raise InputError("the model's id is out of range, expected a number of 64 bits")
-    chosen, found = _prepared(surface, key, precision)
+    chosen, found = _prepared(surface, key, precision, choice)
     layout = chosen.layout
     symbol = np.zeros(len(found.vertex), np.int64)
     header, place, payload = (found.kind == kind for kind in (HEADER, PLACE, PAYLOAD))
@@ -126,7 +129,7 @@ def mark(surface: Welded, key: Key, nonce: int, symbols: SymbolSource, precision
     return Marked(points, len(found.vertex), layout.bits, layout.symbol, chosen.unit)
 
 
-def _prepared(surface: Welded, key: Key, precision: float) -> tuple[Plan, Candidates]:
+def _prepared(surface: Welded, key: Key, precision: float, choice: int) -> tuple[Plan, Candidates]:
     if not (np.isfinite(precision) and precision > 0.0):
         raise InputError(f"a precision of {precision:g} is out of range, expected a number above 0")
     points = surface.points
@@ -135,7 +138,8 @@ def _prepared(surface: Welded, key: Key, precision: float) -> tuple[Plan, Candid
     rings = ordered_rings(surface.faces, len(points))
     shapes = [ring_shapes(points, group) for group in rings]
     parts = list(zip(rings, shapes, strict=True))
-    chance = unit_interval(keyed_words(key.subkey("authentication choice of marks"), len(points)))
+    purpose = "authentication choice of marks" + (f" {choice}" if choice else "")
+    chance = unit_interval(keyed_words(key.subkey(purpose), len(points)))
     levels = _room(len(points), parts, unit)
     firm = _firm(points, parts)
     fewest = min(layout.levels for layout in LAYOUTS.values())
@@ -191,7 +195,8 @@ def _plan(
         )
     found = joined([_plain(points, *part, chosen, unit, key) for part in parts])
     payload = found.index[found.kind == PAYLOAD]
-    return Plan(found.vertex, payload, layout, unit, _covered(parts, chosen)), found
+    tells = covers_id(found.index[found.kind == HEADER], layout.symbol)
+    return Plan(found.vertex, payload, layout, unit, _covered(parts, chosen), tells), found
 
 
 def _covered(parts: _Parts, chosen: NDArray[np.bool_]) -> float:

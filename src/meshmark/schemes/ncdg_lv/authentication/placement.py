@@ -110,21 +110,33 @@ def _misfit(evidence: Evidence, own: NDArray[np.bool_]) -> tuple[FloatArray, Flo
     """Return how far each mark lies from where it says, after the similarity that suits `own` (e,) best.
 
     And how far off that similarity may be there: one standard deviation, from the rounding of the values; and the
-    scale.
+    scale. Few marks close together may suit a wrong similarity nearly as well as the right one. So one is also
+    fitted to the marks of all parts, and taken where it suits as many of `own` and more of the others.
     """
     if own.sum() < _NEEDED:
         return None
-    middle = evidence.centre[own].mean(axis=0)
+    fits = [_fit(evidence, own), _fit(evidence, np.ones(len(own), bool))]
+    near = (0.5 + _SLACK) * evidence.step
+    right = [fit[0] <= near for fit in fits]
+    best = max((0, 1), key=lambda i: (int(right[i][own].sum()), int(right[i].sum())))
+    return fits[best] if np.median(fits[best][0][own]) <= evidence.step else None
+
+
+def _fit(evidence: Evidence, fitted: NDArray[np.bool_]) -> tuple[FloatArray, FloatArray, Scale]:
+    """Return misfit (e,), its deviation (e,) and scale for the similarity of most of the marks `fitted` (e,)."""
+    middle = evidence.centre[fitted].mean(axis=0)
     points = evidence.centre - middle
-    size = float(np.sqrt((points[own] ** 2).sum(axis=1).mean()))
+    size = float(np.sqrt((points[fitted] ** 2).sum(axis=1).mean()))
     points /= size if size > 0.0 else 1.0
     direction, value = evidence.direction, evidence.value
-    use = own
+    use = fitted
     turn, scale, shift = _first_guess(points[use], direction[use], value[use])
     for _ in range(8):
         moved = scale * points @ turn.T
         misfit = np.einsum("ei,ei->e", moved + shift, direction) - value
-        use = own & (np.abs(misfit) <= max(3.0 * float(np.median(np.abs(misfit[own]))), evidence.step))
+        # A mark that may be in its place is no outlier: without it the others may suit another place as well.
+        widest = max(3.0 * float(np.median(np.abs(misfit[fitted]))), (0.5 + _SLACK) * evidence.step)
+        use = fitted & (np.abs(misfit) <= widest)
         columns = [np.cross(moved, direction), direction, np.einsum("ei,ei->e", moved, direction)[:, None]]
         rows = np.concatenate(columns, axis=1)
         change = np.linalg.lstsq(rows[use], -misfit[use], rcond=1e-9)[0]
@@ -132,8 +144,6 @@ def _misfit(evidence: Evidence, own: NDArray[np.bool_]) -> tuple[FloatArray, Flo
         shift = shift + change[3:6]
         scale *= float(np.exp(np.clip(change[6], -1.0, 1.0)))
     misfit = np.einsum("ei,ei->e", scale * points @ turn.T + shift, direction) - value
-    if np.median(np.abs(misfit[own])) > evidence.step:
-        return None
     spread = np.linalg.pinv(rows[use].T @ rows[use], hermitian=True) * evidence.step**2 / 12.0
     doubt = np.sqrt(np.einsum("ei,ij,ej->e", rows, spread, rows).clip(min=0.0))
     return np.abs(misfit), doubt, Scale((size or 1.0) / scale, float(np.sqrt(max(spread[6, 6], 0.0))))

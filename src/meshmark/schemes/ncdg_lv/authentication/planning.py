@@ -35,6 +35,7 @@ class Planned:
     surface: Welded
     plan: Plan
     precision: Precision
+    choice: int = 0
 
 
 def plans(mesh: Mesh, key: Key, tolerance: str | None) -> Iterator[Planned]:

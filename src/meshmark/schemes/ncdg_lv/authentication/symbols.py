@@ -9,7 +9,7 @@ from meshmark.coding.keyed import unit_interval
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.schemes.ncdg_lv.authentication.candidates import Candidates
 
-__all__ = ["directions", "header_symbols", "place_symbols", "place_values", "read_header"]
+__all__ = ["covers_id", "directions", "header_symbols", "place_symbols", "place_values", "read_header"]
 
 ID_BITS = 64
 
@@ -32,6 +32,12 @@ def read_header(index: NDArray[np.uint32], symbols: IntArray, symbol_bits: int) 
     if not votes.any(axis=1).all():
         return None
     return sum(int(value) << width * place for place, value in enumerate(votes.argmax(axis=1)))
+
+
+def covers_id(index: NDArray[np.uint32], symbol_bits: int) -> bool:
+    """Return whether each piece of the id has an index (c,) that carries it."""
+    count = ID_BITS // _width(symbol_bits)
+    return len(np.unique(index.astype(np.int64) % count)) == count
 
 
 def place_symbols(found: Candidates, frame: tuple[FloatArray, float], symbol_bits: int) -> IntArray:
