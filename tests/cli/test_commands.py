@@ -97,6 +97,21 @@ def test_embed_without_an_extension_keeps_the_format(cli, files, tmp_path):
     assert (tmp_path / "model").read_bytes().startswith(b"ply\n")
 
 
+@pytest.mark.parametrize("name", ["out.fbx", "out.usdz", "out.dae", "out.blend"])
+def test_no_command_writes_an_extension_that_is_not_a_format_of_ours(cli, files, tmp_path, name):
+    out = tmp_path / name
+    for line in (
+        ("embed", files.model, out, "--key", files.key),
+        ("attack", files.model, out, "noise"),
+        ("recover", files.marked, out, "--key", files.key),
+        ("unmark", files.marked, out, "--key", files.key, "--certificate", tmp_path / "none"),
+    ):
+        ran = cli(*line)
+        assert (ran.code, ran.out) == (2, "")
+        assert f"'{out.suffix}' is not the extension of a format that meshmark writes" in ran.err
+    assert not out.exists()
+
+
 def test_extract_reads_the_id_and_exits_with_0(cli, files):
     ran = cli("extract", files.marked, "--key", files.key, "--json")
     found = only_object(ran.out)

@@ -133,7 +133,8 @@ def test_each_mistake_is_named() -> None:
     refused(put("bufferViews", 0, "byteStride", value=8), "stride of 8 bytes")
     refused(put("meshes", 0, "primitives", 0, "mode", value=1), "no triangles")
     refused(put("nodes", 0, "scale", value=[0, 1, 1]), "no triangles")
-    refused(put("nodes", 0, "rotation", value=[0, 0, 0, 2]), "unit quaternion")
+    refused(put("nodes", 0, "rotation", value=[0, 0, 0, "1"]), "expected 4 finite numbers")
+    refused(put("nodes", 0, "matrix", value=[1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 2]), "not affine")
     refused(put("nodes", 0, "matrix", value=[0.5] * 16), "not affine")
     refused(put("nodes", 0, "children", value=[0]), "node 0")
     refused(put("nodes", 1, "children", value=[3]), "child twice|a child of", instances)
@@ -148,7 +149,11 @@ def test_each_mistake_is_named() -> None:
 
 
 @pytest.mark.parametrize(
-    "uri", ["../up.bin", "/etc/passwd", "http://a/b.bin", "a/../../b", "..%2Fb.bin", "c:\\b", ""]
+    "uri",
+    [
+        *("../up.bin", "/etc/passwd", "http://a/b.bin", "a/../../b", "..%2Fb.bin", "c:\\b", ""),
+        *("..\\up.bin", "a\\..\\..\\b.bin", "%5C..%5Cb.bin", "\\\\host\\share\\b.bin", "\\b.bin", "a/..\\b"),
+    ],
 )
 def test_buffers_outside_the_folder_are_refused(uri: str) -> None:
     with pytest.raises(FormatError, match="not a file inside"):

@@ -115,8 +115,9 @@ def _attacked(
     import numpy as np
 
     from meshmark.attacks import Given
-    from meshmark.io import read_mesh, write_mesh
+    from meshmark.io import check_extension, read_mesh, write_mesh
 
+    check_extension(out, model)
     start = perf_counter()
     mesh = read_mesh(model)
     copies = tuple(read_mesh(other) for other in others)

@@ -29,10 +29,11 @@ def unmark(
     moved. From a model that was not changed otherwise the original comes back.
     """
     from meshmark.coding.keys import Key
-    from meshmark.io import read_mesh, write_mesh
+    from meshmark.io import check_extension, read_mesh, write_mesh
 
     start = perf_counter()
     check_output(out, [model, key, certificate])
+    check_extension(out, model)
     secret = Key.load(key)
     mesh = read_mesh(model)
     from meshmark.schemes.ncdg_lv import Certificate

@@ -173,11 +173,12 @@ def _decoded(uri: str, index: int) -> Bytes:
 def local_name(uri: str, where: str) -> str:
     """Return the file that a URI names, relative to the model's folder.
 
+    A backslash counts as a slash, as browsers and Blender have it: exporters on Windows write it.
     Raises `FormatError` for addresses on the network and for paths that lead out of the folder.
     """
-    name = unquote(uri)
+    name = unquote(uri).replace("\\", "/")
     parts = PurePosixPath(name).parts
-    outside = name.startswith("/") or ".." in parts or "\\" in name or "\0" in name or _SCHEME.match(name)
+    outside = name.startswith("/") or ".." in parts or "\0" in name or _SCHEME.match(name)
     if outside or not parts:
         shown = uri if len(uri) <= 60 else uri[:57] + "..."
         raise FormatError(f"{where}: the uri {shown!r} is not a file inside the model's own folder")

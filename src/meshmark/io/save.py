@@ -12,7 +12,7 @@ import numpy as np
 
 from meshmark.errors import InputError, MeshmarkError, OutputError
 from meshmark.io.document import Attributes
-from meshmark.io.formats import FORMATS, Format, format_of_name
+from meshmark.io.formats import FORMATS, Format, check_extension, format_of_name
 from meshmark.io.source import SourceFile, gzipped
 from meshmark.mesh import FloatArray, IntArray, Mesh
 
@@ -46,19 +46,21 @@ def write_mesh(
 ) -> WriteReport:
     """Write a mesh to `path`: positions patched into the file it came from, or converted to a new one.
 
-    The format is the extension's, or without a known one that of the file read. A patched save changes
+    The format is the extension's, or without an extension that of the file read. A patched save changes
     nothing but positions and copies side files (materials, images) that are not there yet. All files are
     complete before any is moved into place; on failure none is left. `verify` is given the model among the
     complete files, before they have their places, and stops the save by raising. `default` is the format, a key
     of `FORMATS`, for a mesh made in memory where the path has no known extension.
-    Raises `InputError` where `path` is the file read or one it refers to, or has no known format, and
-    `OutputError` where it cannot be written.
+    Raises `InputError` where `path` is the file read or one it refers to, or has no known format or the extension
+    of one that is not written, and `OutputError` where it cannot be written.
     """
     path = Path(path)
     entry = _format_for(mesh, path, default)
     document = mesh.document
     source = document if isinstance(document, SourceFile) else None
     target = _checked_target(path, source)
+    if document is not None:
+        check_extension(path, None if source is None else source.path)
     copies: dict[str, Path] = {}
     dropped: tuple[str, ...] = ()
     if document is not None and not np.array_equal(mesh.faces, document.faces):

@@ -12,7 +12,7 @@ import numpy as np
 from meshmark.coding.keys import Key
 from meshmark.errors import CapacityError
 from meshmark.geometry.weld import weld
-from meshmark.io import read_mesh, write_mesh
+from meshmark.io import check_extension, read_mesh, write_mesh
 from meshmark.mesh import Mesh
 from meshmark.schemes.ncdg_lv.authentication.content import Content
 from meshmark.schemes.ncdg_lv.extraction import extract
@@ -41,6 +41,7 @@ def embed_file(
     nothing is left behind then.
     """
     start = perf_counter()
+    check_extension(Path(out), Path(model))
     mesh = read_mesh(model)
     result = embed(mesh, key, id=id, strength=strength, layers=layers, payload=payload, tolerance=tolerance)
     seen: list[Mesh] = []
