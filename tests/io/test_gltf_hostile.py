@@ -139,13 +139,21 @@ def test_each_mistake_is_named() -> None:
     refused(put("nodes", 0, "children", value=[0]), "node 0")
     refused(put("nodes", 1, "children", value=[3]), "child twice|a child of", instances)
     refused(put("scenes", 0, "nodes", value=[]), "no triangles")
-    compressed = {"KHR_draco_mesh_compression": {"bufferView": 0, "attributes": {}}}
+    compressed = {"KHR_draco_mesh_compression": {"bufferView": 0, "attributes": {"POSITION": 0}}}
     refused(
-        put("meshes", 0, "primitives", 0, "extensions", value=compressed),
-        "KHR_draco_mesh_compression.*decompress",
+        put("meshes", 0, "primitives", 0, "extensions", value=compressed), "mesh 0, primitive 0.*Draco stream"
     )
-    packed = {"EXT_meshopt_compression": {"buffer": 0}}
-    refused(put("bufferViews", 0, "extensions", value=packed), "EXT_meshopt_compression.*decompress")
+    packed = {"buffer": 0, "byteLength": 96, "byteStride": 12, "count": 8, "mode": "ATTRIBUTES"}
+    extensions = {"EXT_meshopt_compression": packed}
+    refused(
+        put("bufferViews", 0, "extensions", value=extensions), "bufferView 0: a meshopt stream .* header byte"
+    )
+    extensions = {"EXT_meshopt_compression": packed | {"mode": "LINES"}}
+    refused(
+        put("bufferViews", 0, "extensions", value=extensions), "bufferView 0 is compressed with mode 'LINES'"
+    )
+    extensions = {"KHR_meshopt_compression": packed | {"count": 2**40}}
+    refused(put("bufferViews", 0, "extensions", value=extensions), "claims to unpack to")
 
 
 @pytest.mark.parametrize(

@@ -115,7 +115,7 @@ def _attacked(
     import numpy as np
 
     from meshmark.attacks import Given
-    from meshmark.io import check_extension, read_mesh, write_mesh
+    from meshmark.io import check_extension, read_mesh, uncompressed, write_mesh
 
     check_extension(out, model)
     start = perf_counter()
@@ -124,6 +124,8 @@ def _attacked(
     with progress("attacking"), naming(model, *others):
         result = chain.apply(mesh, np.random.default_rng(seed), Given(copies, next(iter(copies), None)))
         report = write_mesh(result.mesh, out, default=mesh.document.format if mesh.document else None)
+    for remark in uncompressed(report, out):
+        say(f"meshmark: {remark}")
     lost = _lost(mesh) if result.mesh.document is None else report.dropped
     if lost:
         say(f"meshmark: {out.name} does not hold the model's {', '.join(lost)}")

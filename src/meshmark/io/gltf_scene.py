@@ -25,7 +25,6 @@ from meshmark.mesh import IntArray
 __all__ = ["Part", "Primitive", "Scene", "open_scene", "primitives_of"]
 
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
-_DRACO = "KHR_draco_mesh_compression"
 
 # A few bytes of nodes can show a large mesh many times: these bound the memory that a small file may ask for.
 _MOST_ROWS, _MOST_FACES = 30_000_000, 60_000_000
@@ -98,12 +97,6 @@ def primitives_of(container: Container, mesh: int, accessors: dict[int, Accessor
         attributes = _attributes(container, item, where)
         if mode not in (_TRIANGLES, _STRIP, _FAN) or "POSITION" not in attributes:
             continue
-        extensions = item.get("extensions")
-        if isinstance(extensions, dict) and _DRACO in extensions:
-            raise FormatError(
-                f"{where} is compressed with {_DRACO}, which meshmark cannot patch: decompress the model "
-                "first, for example with `gltf-transform copy IN OUT`"
-            )
         position = attributes["POSITION"]
         if position not in accessors:
             accessors[position] = _open_positions(container, position)

@@ -12,7 +12,7 @@ import numpy as np
 from meshmark.coding.keys import Key
 from meshmark.errors import CapacityError
 from meshmark.geometry.weld import weld
-from meshmark.io import check_extension, read_mesh, write_mesh
+from meshmark.io import check_extension, check_recompression, read_mesh, uncompressed, write_mesh
 from meshmark.mesh import Mesh
 from meshmark.schemes.ncdg_lv.authentication.content import Content
 from meshmark.schemes.ncdg_lv.extraction import extract
@@ -32,8 +32,11 @@ def embed_file(
     layers: str | None = None,
     payload: Content = None,
     tolerance: str | None = None,
+    recompress: bool = False,
 ) -> Embedding:
     """Mark the model file `model` and write the result to `out`; see `embed` for the arguments.
+
+    recompress: whether a compressed glTF is written compressed as it was, not uncompressed with a remark.
 
     The complete files are written under temporary names and read again, all layers blind; only then do they
     take their places; `seconds` counts all of it. Raises what reading, embedding and writing raise, and
@@ -43,30 +46,37 @@ def embed_file(
     start = perf_counter()
     check_extension(Path(out), Path(model))
     mesh = read_mesh(model)
+    if recompress:
+        check_recompression(mesh, Path(out))
     result = embed(mesh, key, id=id, strength=strength, layers=layers, payload=payload, tolerance=tolerance)
     seen: list[Mesh] = []
 
     def read_back(written: Path) -> None:
         seen.append(read_mesh(written))
-        _check(seen[0], key, result, Path(out).name)
+        _check(seen[0], key, result, Path(out).name, recompress)
 
-    report = write_mesh(result.mesh, out, verify=read_back)
-    remarks = result.remarks
+    report = write_mesh(result.mesh, out, verify=read_back, recompress=recompress)
+    remarks = result.remarks + uncompressed(report, Path(out))
     if report.dropped:
         remarks += (f"{Path(out).name} cannot hold the model's {', '.join(report.dropped)}",)
     result = _as_written(result, mesh, seen[0], key)
     return replace(result, seconds=perf_counter() - start, remarks=remarks)
 
 
-def _check(written: Mesh, key: Key, result: Embedding, name: str) -> None:
+def _check(written: Mesh, key: Key, result: Embedding, name: str, recompress: bool) -> None:
     too_coarse = f"cannot be read back from {name}, whose format holds positions too coarsely"
+    advice = (
+        "use --strength strong or the format of the input",
+        "use --tolerance tolerant or the format of the input",
+    )
+    if recompress:
+        too_coarse = f"cannot be read back from {name} once it is compressed"
+        advice = "leave --recompress out", "use --tolerance tolerant, or leave --recompress out"
     if result.layers != "authentication" and extract(written, key).id != result.id:
-        raise CapacityError(f"the id {too_coarse}; use --strength strong or the format of the input")
+        raise CapacityError(f"the id {too_coarse}; {advice[0]}")
     known = result.layers == "both"
     if result.layers != "ownership" and not still_authentic(weld(written), key, result.id, known=known):
-        raise CapacityError(
-            f"the marks of authentication {too_coarse}; use --tolerance tolerant or the format of the input"
-        )
+        raise CapacityError(f"the marks of authentication {too_coarse}; {advice[1]}")
 
 
 def _as_written(result: Embedding, original: Mesh, written: Mesh, key: Key) -> Embedding:
