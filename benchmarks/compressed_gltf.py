@@ -1,9 +1,9 @@
 """Are marks found in compressed copies, are these decoded to the last bit, and does a broken stream do no harm?
 
-Run: python -m benchmarks.compressed_gltf FOLDER --node NODE [--hostile 5]. FOLDER holds GLBs that are not compressed.
-Each is marked, and the marked file compressed by common tools in each of the forms of `FORMS`; of each form the table
-says in how many the id was found, and in how many every index and attribute is what the reference decoders give. From
-each compressed file broken ones are made; what reading them does is counted and its time and memory measured.
+Run: python -m benchmarks.compressed_gltf FOLDER --node NODE [--hostile 5]. FOLDER holds plain GLBs. Each is marked,
+and the marked file compressed by common tools in each of the forms of `FORMS`; of each form the table says in how
+many files the id was found, and in how many every index and attribute is what the reference decoders give. From
+compressed files broken ones are made; what reading them does is counted and its time and memory measured.
 
 NODE is a folder after `npm install --prefix NODE @gltf-transform/cli@4.5 gltfpack meshoptimizer draco3dgltf`.
 Exit code 1 where an id is missed, a bit differs, or a broken file crashes, takes over 30 s or over 1 GB.
@@ -47,7 +47,7 @@ FORMS = {
 }
 SECONDS, MEGABYTES = 30.0, 1024
 
-# Reads one file in a fresh process; prints how it went, its own peak memory and its decoder's in MB, and the seconds.
+# Reads one file in a fresh process; prints how it went, the peak memory of both processes in MB, and the seconds.
 PROBE = """
 import resource, sys, time
 from meshmark.errors import InputError
@@ -120,7 +120,7 @@ def decoded(container: Container) -> list[Any]:
 
 
 def broken(data: bytes, count: int, rng: np.random.Generator) -> Iterator[bytes]:
-    """Yield `count` files of each kind: bits flipped in the streams, streams cut off, counts out of all proportion."""
+    """Yield `count` files of each kind: bits flipped in streams, streams cut off, absurd counts."""
     size = struct.unpack_from("<I", data, 12)[0]
     tree, body = json.loads(data[20 : 20 + size]), bytearray(data[28 + size :])
     for _ in range(count):
@@ -168,14 +168,17 @@ def probe(data: bytes, path: Path) -> tuple[str, int, int, float]:
     return said, int(own), int(child), float(seconds)
 
 
-def measure_forms(paths: list[Path], node: Path, folder: Path) -> tuple[dict[str, Row], list[Path]]:
+def measure_forms(
+    paths: list[Path], forms: list[str], node: Path, folder: Path
+) -> tuple[dict[str, Row], list[Path]]:
     """Return a row per form, and all compressed files."""
     rows: dict[str, Row] = defaultdict(Row)
     made = []
     for source in paths:
         model = marked(source, folder)
-        for form in FORMS if model is not None else ():
+        for form in forms if model is not None else ():
             assert model is not None
+            print(f"{source.name}, {form}", end="\r", file=sys.stderr, flush=True)
             out = compressed(model[0], form, node)
             if out is None:
                 rows[form].told.append(f"{source.name}: the tool fails")
@@ -184,8 +187,11 @@ def measure_forms(paths: list[Path], node: Path, folder: Path) -> tuple[dict[str
             row, document = rows[form], parse_glb(out.read_bytes(), out)
             row.files += 1
             row.before, row.after = row.before + model[0].stat().st_size, row.after + out.stat().st_size
-            row.equal += decoded(document.container) == reference([out], node)[0]
-            row.found += extract(Mesh(document.vertices, document.faces), KEY).id == model[1]
+            equal = decoded(document.container) == reference([out], node)[0]
+            found = extract(Mesh(document.vertices, document.faces), KEY).id == model[1]
+            row.equal, row.found = row.equal + equal, row.found + found
+            if not (equal and found):
+                print(f"{source.name}, {form}: equal {equal}, id back {found}", flush=True)
     return dict(rows), made
 
 
@@ -196,11 +202,12 @@ def measure_hostile(files: list[Path], count: int, folder: Path) -> bool:
     for path in files:
         for data in broken(path.read_bytes(), count, rng):
             said, own, child, seconds = probe(data, folder / "broken.glb")
+            if said not in ("read", "refused") or max(own, child) >= MEGABYTES or seconds >= SECONDS:
+                print(f"{path.name}: {said}, {own} and {child} MB, {seconds:.1f} s", flush=True)
             seen[said] += 1
             most = np.maximum(most, [own, child, seconds])
-    print(
-        f"broken files: {dict(seen)}; at most {most[0]:.0f} MB (reader), {most[1]:.0f} MB (decoder), {most[2]:.1f} s"
-    )
+    peaks = f"{most[0]:.0f} MB (reader), {most[1]:.0f} MB (decoder), {most[2]:.1f} s"
+    print(f"broken files: {dict(seen)}; at most {peaks}")
     return (
         set(seen) <= {"read", "refused"} and most[0] < MEGABYTES and most[1] < MEGABYTES and most[2] < SECONDS
     )
@@ -213,12 +220,15 @@ def main() -> int:
     )
     parser.add_argument("folder", type=Path)
     parser.add_argument("--node", type=Path, required=True)
+    parser.add_argument("--forms", nargs="+", choices=FORMS, default=list(FORMS), metavar="FORM")
     parser.add_argument(
         "--hostile", type=int, default=5, help="broken files of each kind per compressed file"
     )
     given = parser.parse_args()
     with tempfile.TemporaryDirectory() as name:
-        rows, made = measure_forms(sorted(given.folder.rglob("*.glb")), given.node.resolve(), Path(name))
+        rows, made = measure_forms(
+            sorted(given.folder.rglob("*.glb")), given.forms, given.node.resolve(), Path(name)
+        )
         print(f"{'form':20} {'files':>5} {'id back':>8} {'equal to the bit':>17} {'size':>6}")
         for form, row in rows.items():
             share = row.after / row.before if row.before else 0

@@ -13,6 +13,7 @@ import pytest
 from PIL import Image
 
 import meshmark as mm
+from tests.io.compressed_samples import draco_grid
 from tests.shapes import pebble
 
 IDENTITY = "0123456789abcdef"
@@ -268,3 +269,22 @@ def test_the_certificate_needs_a_name_of_its_own(tmp_path, cli):
         assert refused.code == 2
         assert words in refused.err
     assert sorted(path.name for path in tmp_path.iterdir()) == ["in.ply", "my.key"]
+
+
+def test_embed_reads_a_compressed_gltf_and_writes_it_plain_or_compressed_again(cli, files, tmp_path):
+    source, plain, packed = (tmp_path / name for name in ("in.glb", "plain.glb", "packed.glb"))
+    source.write_bytes(draco_grid(70, 16).glb())
+    line = ("--key", files.key, "--id", IDENTITY, "--layers", "ownership", "--json")
+    ran = cli("embed", source, plain, *line)
+    assert ran.code == 0
+    assert only_object(ran.out)["remarks"] == [
+        "plain.glb is written without the compression of the input (KHR_draco_mesh_compression), all else is kept"
+    ]
+    ran = cli("embed", source, packed, *line, "--recompress")
+    assert (ran.code, only_object(ran.out)["remarks"]) == (0, [])
+    for path, names in ((plain, []), (packed, ["KHR_draco_mesh_compression"])):
+        assert only_object(cli("info", path, "--json").out)["compression"] == names
+        assert only_object(cli("extract", path, "--key", files.key, "--json").out)["id"] == IDENTITY
+    assert only_object(cli("compare", source, packed, "--json").out)["hausdorff_over_diagonal"] < 0.01
+    ran = cli("embed", files.model, tmp_path / "out.ply", *line, "--recompress")
+    assert (ran.code, "is not compressed, expected no --recompress" in ran.err) == (2, True)

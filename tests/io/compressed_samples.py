@@ -1,4 +1,4 @@
-"""Compressed glTF files made for tests, from the plain samples: by Draco's own encoder, by a small meshopt writer here."""
+"""Compressed glTF files made for tests: by Draco's own encoder, and by a small meshopt writer here."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import numpy as np
 from meshmark.io.gltf_accessor import WIDTHS, component
 from tests.io.gltf_samples import Sample
 
-# Streams that meshoptimizer 1.3 encoded (npm `meshoptimizer`), with the SHA-256 (16 digits) of what it decodes them to:
+# Streams that meshoptimizer 1.3 (npm) encoded, with the SHA-256 (16 digits) of what it decodes them to:
 # [mode, filter, count, stride, base64, digest].
 STREAMS: list[list[Any]] = json.loads((Path(__file__).with_name("meshopt_streams.json")).read_text())
 
@@ -94,7 +94,9 @@ def draco_grid(side: int = 12, bits: int = 14) -> Sample:
     x, y = np.meshgrid(np.arange(side), np.arange(side))
     points = np.stack([x, y, 3 * np.sin(x / 4) * np.cos(y / 5)], 2).reshape(-1, 3).astype("<f4")
     first = (np.arange(side - 1)[:, None] * side + np.arange(side - 1)).ravel()
-    faces = np.concatenate([[first, first + 1, first + side], [first + 1, first + side + 1, first + side]], axis=1).T
+    faces = np.concatenate(
+        [[first, first + 1, first + side], [first + 1, first + side + 1, first + side]], axis=1
+    ).T
     normals = np.tile(np.array([0.6, 0, 0.8], "f4"), (len(points), 1))
     joints = np.tile(np.arange(4, dtype="u1"), (len(points), 1))
     stream = DracoPy.encode(

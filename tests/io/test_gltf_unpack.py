@@ -1,4 +1,4 @@
-"""Compressed glTF: read as its plain form, saved unmoved byte for byte, saved moved without compression and loss."""
+"""Compressed glTF: read as its plain form, saved unmoved byte for byte, saved moved without compression."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def test_no_compressed_copy_of_the_surface_is_left_behind() -> None:
         document = parse_glb(sample.glb(), HERE)
         compressed = bytes(sample.blob)
         glb = document.patched(document.vertices + 0.01, "a.glb")["a.glb"]
-        views = [view for view in sample.tree["bufferViews"]]
+        views = list(sample.tree["bufferViews"])
         streams = [view.get("extensions", {}).get(MESHOPT[0], None) for view in views] + [
             views[item["extensions"]["KHR_draco_mesh_compression"]["bufferView"]]
             for mesh in sample.tree["meshes"]
@@ -97,8 +97,12 @@ def test_draco_gives_what_its_own_decoder_gives() -> None:
     assert np.array_equal(document.vertices, mesh.points)
     assert np.array_equal(document.faces, mesh.faces)
     attributes = document.container.tables["meshes"][0]["primitives"][0]["attributes"]
-    assert np.array_equal(stored(document.container, attributes["NORMAL"]), mesh.get_attribute_by_unique_id(3)["data"])
-    assert np.array_equal(stored(document.container, attributes["_JOINT"]), mesh.get_attribute_by_unique_id(5)["data"])
+    assert np.array_equal(
+        stored(document.container, attributes["NORMAL"]), mesh.get_attribute_by_unique_id(3)["data"]
+    )
+    assert np.array_equal(
+        stored(document.container, attributes["_JOINT"]), mesh.get_attribute_by_unique_id(5)["data"]
+    )
     glb = document.patched(document.vertices + 0.5, "a.glb")["a.glb"]
     assert np.array_equal(parse_glb(glb, HERE).vertices, document.vertices + 0.5)
     tree = tree_of(glb)
@@ -161,7 +165,9 @@ def refused(sample: Sample, pattern: str) -> None:
 
 def test_streams_that_do_not_fit_their_file_are_refused() -> None:
     sample = draco_grid()
-    sample.tree["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"]["attributes"]["NORMAL"] = 9
+    sample.tree["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"]["attributes"][
+        "NORMAL"
+    ] = 9
     refused(sample, "no attribute with the id 9")
     sample = draco_grid()
     sample.tree["accessors"][1]["type"] = "VEC2"
