@@ -4,21 +4,27 @@ from __future__ import annotations
 
 import json
 import struct
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import DracoPy
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 from meshmark.errors import FormatError, InputError
 from meshmark.io import read_mesh, write_mesh
 from meshmark.io.gltf import GltfDocument, parse_glb, parse_gltf
 from meshmark.io.gltf_accessor import open_accessor
+from meshmark.io.gltf_codecs import decode
 from meshmark.io.gltf_container import Container, open_glb
+from meshmark.io.gltf_streams import Stream, _check_size
 from meshmark.io.gltf_unpack import COMPRESSIONS, compressions
 from tests.io.compressed_samples import draco_grid, with_meshopt
 from tests.io.gltf_samples import SAMPLES, Sample
+from tests.io.test_gltf_hostile import JUNK, paths_in, read_or_refuse
 
 HERE = Path("nowhere/model.glb")
 MESHOPT = [name for name in COMPRESSIONS if "meshopt" in name]
@@ -195,3 +201,46 @@ def test_parse_gltf_says_what_compresses(tmp_path: Path) -> None:
     assert compressions(document.container) == ()
     with pytest.raises(InputError):
         parse_gltf(draco_grid().json(uri="gone.bin"), tmp_path / "a.gltf")
+
+
+BUILDERS = {
+    "draco": draco_grid,
+    "meshopt": lambda: with_meshopt(SAMPLES["rich"]()),
+    "quantised": lambda: with_meshopt(SAMPLES["quantised"](), "KHR_meshopt_compression"),
+}
+PATHS = {name: paths_in(build().tree) for name, build in BUILDERS.items()}
+
+
+@settings(max_examples=250, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.data())
+def test_junk_anywhere_in_the_tree_of_a_compressed_file(
+    monkeypatch: pytest.MonkeyPatch, data: st.DataObject
+) -> None:
+    # In this process, for speed: whole streams only, as broken ones are none of this test's business.
+    whole = bytes(draco_grid().blob)
+
+    def decoded(streams: Sequence[Stream]) -> list[Any]:
+        _check_size(sum(item.unpacked for item in streams), sum(len(item.data) for item in streams))
+        if any(item.codec == "draco" and item.data != whole for item in streams):
+            raise FormatError("broken")
+        return [decode(item.data, item.codec, **item.parameters) for item in streams]
+
+    monkeypatch.setattr("meshmark.io.gltf_unpack.decode_streams", decoded)
+    name = data.draw(st.sampled_from(sorted(BUILDERS)))
+    sample = BUILDERS[name]()
+    for path in data.draw(st.lists(st.sampled_from(PATHS[name]), min_size=1, max_size=3)):
+        place: Any = sample.tree
+        try:
+            for key in path[:-1]:
+                place = place[key]
+            if data.draw(st.booleans()):
+                place[path[-1]] = data.draw(JUNK)
+            else:
+                del place[path[-1]]
+        except (KeyError, IndexError, TypeError):
+            continue
+    try:
+        glb = sample.glb()
+    except (KeyError, TypeError):
+        return
+    read_or_refuse(glb, True)

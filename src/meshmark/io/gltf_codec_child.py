@@ -52,6 +52,7 @@ def _limit(memory: int, seconds: int) -> None:
 
         resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        resource.setrlimit(resource.RLIMIT_FSIZE, (memory // 2, memory // 2))  # of the answer
         if sys.platform != "darwin":
             resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
 

@@ -116,15 +116,14 @@ class _Placer:
     """Hands decoded arrays to accessors; one that others use too is copied: two streams, or a plain primitive."""
 
     def __init__(self, tree: Json, views: Views, packed: set[tuple[int, int]]) -> None:
-        self.accessors: list[Json] = tree["accessors"]
+        self.accessors: list[Json] = tree.setdefault("accessors", [])
         self.views = views
         plain = {
             index
             for mesh, entry in enumerate(tree["meshes"])
             for number, item in enumerate(entry.get("primitives", []))
             if (mesh, number) not in packed
-            for index in [item.get("indices"), *item.get("attributes", {}).values()]
-            if isinstance(index, int)
+            for index in _accessors_of(item)
         }
         self.owner: dict[int, tuple[int, str]] = dict.fromkeys(plain, (-1, ""))
         self.copies: dict[tuple[int, int, str], int] = {}
@@ -182,6 +181,12 @@ class _Placer:
         record.pop("byteOffset", None)
         record.pop("sparse", None)
         record.update(bufferView=view, count=count)
+
+
+def _accessors_of(item: Json) -> list[int]:
+    table = item.get("attributes")
+    named = [item.get("indices"), *(table.values() if isinstance(table, dict) else ())]
+    return [int(index) for index in named if isinstance(index, (int, float)) and index == int(index)]
 
 
 def _as_type(rows: NDArray[Any], dtype: np.dtype[Any]) -> NDArray[Any] | None:

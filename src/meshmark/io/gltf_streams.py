@@ -46,23 +46,28 @@ def decode_streams(streams: Sequence[Stream]) -> list[dict[str, NDArray[Any]]]:
 
     Raises `FormatError` where one cannot be decoded, or not within the limits.
     """
-    claimed, given = sum(item.unpacked for item in streams), sum(len(item.data) for item in streams)
-    if claimed > max(_ALWAYS_ALLOWED, _MOST_GROWTH * given):
-        raise FormatError(
-            f"its compressed data of {given:,} bytes claims to unpack to {claimed:,} bytes, which no mesh does"
-        )
-    if claimed > _MEMORY // 2:
-        raise FormatError(
-            f"its compressed data unpacks to {claimed >> 20} MB, the most that is read is {_MEMORY >> 21} MB"
-        )
+    given = sum(len(item.data) for item in streams)
+    _check_size(sum(item.unpacked for item in streams), given)
     with tempfile.TemporaryFile() as sent, tempfile.TemporaryFile() as received:
         jobs = [{"codec": item.codec, "size": len(item.data), **item.parameters} for item in streams]
         sent.write(json.dumps(jobs).encode() + b"\n")
         sent.writelines(item.data for item in streams)
         sent.seek(0)
         code = _run(sent, received)
+        _check_size(received.seek(0, os.SEEK_END), given)
         received.seek(0)
         return _answer(received, code, streams)
+
+
+def _check_size(unpacked: int, given: int) -> None:
+    if unpacked > max(_ALWAYS_ALLOWED, _MOST_GROWTH * given):
+        raise FormatError(
+            f"its compressed data of {given:,} bytes claims to unpack to {unpacked:,} bytes, which no mesh does"
+        )
+    if unpacked > _MEMORY // 2:
+        raise FormatError(
+            f"its compressed data unpacks to {unpacked >> 20} MB, the most that is read is {_MEMORY >> 21} MB"
+        )
 
 
 def _run(sent: IO[bytes], received: IO[bytes]) -> int:

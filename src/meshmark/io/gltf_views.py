@@ -142,7 +142,8 @@ def _as_glb(plain: Container, text: bytes) -> Container:
 
 def _set_bounds(container: Container, changed: set[int]) -> None:
     for number, item in enumerate(container.tables["accessors"]):
-        if item.get("bufferView") not in changed or not ({"min", "max"} & item.keys()):
+        view = item.get("bufferView")
+        if not isinstance(view, int) or view not in changed or not ({"min", "max"} & item.keys()):
             continue
         try:
             accessor = open_accessor(container, number)
