@@ -13,6 +13,7 @@ import pytest
 from PIL import Image
 
 import meshmark as mm
+from tests.io.compressed_samples import draco_grid
 from tests.shapes import pebble
 
 IDENTITY = "0123456789abcdef"
@@ -95,6 +96,21 @@ def test_embed_without_an_extension_keeps_the_format(cli, files, tmp_path):
     arguments = ("--key", files.key, "--layers", "ownership")
     assert cli("embed", files.marked, tmp_path / "model", *arguments).code == 0
     assert (tmp_path / "model").read_bytes().startswith(b"ply\n")
+
+
+@pytest.mark.parametrize("name", ["out.fbx", "out.usdz", "out.dae", "out.blend"])
+def test_no_command_writes_an_extension_that_is_not_a_format_of_ours(cli, files, tmp_path, name):
+    out = tmp_path / name
+    for line in (
+        ("embed", files.model, out, "--key", files.key),
+        ("attack", files.model, out, "noise"),
+        ("recover", files.marked, out, "--key", files.key),
+        ("unmark", files.marked, out, "--key", files.key, "--certificate", tmp_path / "none"),
+    ):
+        ran = cli(*line)
+        assert (ran.code, ran.out) == (2, "")
+        assert f"'{out.suffix}' is not the extension of a format that meshmark writes" in ran.err
+    assert not out.exists()
 
 
 def test_extract_reads_the_id_and_exits_with_0(cli, files):
@@ -253,3 +269,22 @@ def test_the_certificate_needs_a_name_of_its_own(tmp_path, cli):
         assert refused.code == 2
         assert words in refused.err
     assert sorted(path.name for path in tmp_path.iterdir()) == ["in.ply", "my.key"]
+
+
+def test_embed_reads_a_compressed_gltf_and_writes_it_plain_or_compressed_again(cli, files, tmp_path):
+    source, plain, packed = (tmp_path / name for name in ("in.glb", "plain.glb", "packed.glb"))
+    source.write_bytes(draco_grid(70, 16).glb())
+    line = ("--key", files.key, "--id", IDENTITY, "--layers", "ownership", "--json")
+    ran = cli("embed", source, plain, *line)
+    assert ran.code == 0
+    assert only_object(ran.out)["remarks"] == [
+        "plain.glb is written without the compression of the input (KHR_draco_mesh_compression), all else is kept"
+    ]
+    ran = cli("embed", source, packed, *line, "--recompress")
+    assert (ran.code, only_object(ran.out)["remarks"]) == (0, [])
+    for path, names in ((plain, []), (packed, ["KHR_draco_mesh_compression"])):
+        assert only_object(cli("info", path, "--json").out)["compression"] == names
+        assert only_object(cli("extract", path, "--key", files.key, "--json").out)["id"] == IDENTITY
+    assert only_object(cli("compare", source, packed, "--json").out)["hausdorff_over_diagonal"] < 0.01
+    ran = cli("embed", files.model, tmp_path / "out.ply", *line, "--recompress")
+    assert (ran.code, "is not compressed, expected no --recompress" in ran.err) == (2, True)

@@ -133,22 +133,35 @@ def test_each_mistake_is_named() -> None:
     refused(put("bufferViews", 0, "byteStride", value=8), "stride of 8 bytes")
     refused(put("meshes", 0, "primitives", 0, "mode", value=1), "no triangles")
     refused(put("nodes", 0, "scale", value=[0, 1, 1]), "no triangles")
-    refused(put("nodes", 0, "rotation", value=[0, 0, 0, 2]), "unit quaternion")
+    refused(put("nodes", 0, "rotation", value=[0, 0, 0, "1"]), "expected 4 finite numbers")
+    refused(put("nodes", 0, "matrix", value=[1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 2]), "not affine")
     refused(put("nodes", 0, "matrix", value=[0.5] * 16), "not affine")
     refused(put("nodes", 0, "children", value=[0]), "node 0")
     refused(put("nodes", 1, "children", value=[3]), "child twice|a child of", instances)
     refused(put("scenes", 0, "nodes", value=[]), "no triangles")
-    compressed = {"KHR_draco_mesh_compression": {"bufferView": 0, "attributes": {}}}
+    compressed = {"KHR_draco_mesh_compression": {"bufferView": 0, "attributes": {"POSITION": 0}}}
     refused(
-        put("meshes", 0, "primitives", 0, "extensions", value=compressed),
-        "KHR_draco_mesh_compression.*decompress",
+        put("meshes", 0, "primitives", 0, "extensions", value=compressed), "mesh 0, primitive 0.*Draco stream"
     )
-    packed = {"EXT_meshopt_compression": {"buffer": 0}}
-    refused(put("bufferViews", 0, "extensions", value=packed), "EXT_meshopt_compression.*decompress")
+    packed = {"buffer": 0, "byteLength": 96, "byteStride": 12, "count": 8, "mode": "ATTRIBUTES"}
+    extensions = {"EXT_meshopt_compression": packed}
+    refused(
+        put("bufferViews", 0, "extensions", value=extensions), "bufferView 0: a meshopt stream .* header byte"
+    )
+    extensions = {"EXT_meshopt_compression": packed | {"mode": "LINES"}}
+    refused(
+        put("bufferViews", 0, "extensions", value=extensions), "bufferView 0 is compressed with mode 'LINES'"
+    )
+    extensions = {"KHR_meshopt_compression": packed | {"count": 2**40}}
+    refused(put("bufferViews", 0, "extensions", value=extensions), "claims to unpack to")
 
 
 @pytest.mark.parametrize(
-    "uri", ["../up.bin", "/etc/passwd", "http://a/b.bin", "a/../../b", "..%2Fb.bin", "c:\\b", ""]
+    "uri",
+    [
+        *("../up.bin", "/etc/passwd", "http://a/b.bin", "a/../../b", "..%2Fb.bin", "c:\\b", ""),
+        *("..\\up.bin", "a\\..\\..\\b.bin", "%5C..%5Cb.bin", "\\\\host\\share\\b.bin", "\\b.bin", "a/..\\b"),
+    ],
 )
 def test_buffers_outside_the_folder_are_refused(uri: str) -> None:
     with pytest.raises(FormatError, match="not a file inside"):

@@ -10,6 +10,7 @@ import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
 
+from meshmark.io import read_mesh, write_mesh
 from meshmark.io.gltf import parse_glb, parse_gltf
 from tests.io.gltf_opened import opened
 from tests.io.gltf_samples import CUBE, CUBE_FACES, SAMPLES, cube, instances
@@ -40,6 +41,44 @@ def test_all_showings_moving_alike_is_exact(tmp_path: Path) -> None:
     other.blob[start : start + 96] = local.astype("<f4").tobytes()
     wanted = parse_glb(other.glb(), tmp_path / "b.glb").vertices
     assert np.abs(document.conform(wanted) - wanted).max() < 1e-6
+
+
+MOVED = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 1, 2, 3]
+HALF = np.sqrt(0.5)
+
+
+@pytest.mark.parametrize(
+    ("node", "expected"),
+    [
+        ({"matrix": [*MOVED, 0.99999994]}, CUBE + np.array([1, 2, 3])),
+        ({"matrix": [*MOVED, 1], "translation": [0, 0, 0], "scale": [5, 5, 5]}, CUBE + np.array([1, 2, 3])),
+        ({"rotation": [0, 0, 0, 0]}, CUBE),
+        ({"rotation": [0, 0, 0, 2]}, CUBE),
+        ({"rotation": [0, 0, HALF + 0.02, HALF + 0.02]}, CUBE[:, [1, 0, 2]] * [-1, 1, 1]),
+        ({"rotation": [0, 0, 3e-200, 3e-200]}, CUBE[:, [1, 0, 2]] * [-1, 1, 1]),
+    ],
+)
+def test_transforms_that_are_not_quite_valid_are_read_as_viewers_read_them(
+    tmp_path: Path, node: dict[str, Any], expected: Any
+) -> None:
+    sample = cube()
+    sample.tree["nodes"][0] |= node
+    document = parse_glb(sample.glb(), tmp_path / "model.glb")
+    assert np.allclose(document.vertices, expected, atol=1e-6)
+    moved = document.patched(document.vertices + 0.25, "model.glb")["model.glb"]
+    assert np.allclose(parse_glb(moved, tmp_path / "model.glb").vertices, document.vertices + 0.25, atol=1e-6)
+
+
+def test_a_backslash_in_a_uri_counts_as_a_slash(tmp_path: Path) -> None:
+    sample = cube()
+    (tmp_path / "tex").mkdir()
+    (tmp_path / "tex" / "m.bin").write_bytes(sample.blob)
+    (tmp_path / "model.gltf").write_bytes(sample.json(uri="tex\\m.bin"))
+    mesh = read_mesh(tmp_path / "model.gltf")
+    (tmp_path / "out").mkdir()
+    write_mesh(mesh.with_vertices(mesh.vertices + 0.25), tmp_path / "out" / "model.gltf")
+    assert np.allclose(read_mesh(tmp_path / "out" / "model.gltf").vertices, mesh.vertices + 0.25, atol=1e-6)
+    assert (tmp_path / "tex" / "m.bin").read_bytes() == sample.blob
 
 
 def test_strips_and_fans_wind_as_the_specification_says(tmp_path: Path) -> None:

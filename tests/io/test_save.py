@@ -14,6 +14,7 @@ import pytest
 from meshmark.errors import InputError, OutputError
 from meshmark.io import FORMATS, conform, read_mesh, write_mesh
 from meshmark.io import save as save_module
+from meshmark.io.formats import OTHER_NAMES
 from meshmark.mesh import Mesh
 from tests.io.text_samples import SAMPLES
 
@@ -193,6 +194,32 @@ def test_formats_without_a_name(source: Path, tmp_path: Path) -> None:
     assert (tmp_path / "plain").read_bytes() == source.read_bytes()
     with pytest.raises(InputError, match="no extension of a known format"):
         write_mesh(TETRA, tmp_path / "plain")
+
+
+@pytest.mark.parametrize("name", ["out.fbx", "out.usdz", "out.DAE", "out.blend", "out.obj.zip", "out.fbx.gz"])
+def test_an_extension_that_is_not_written_is_refused(source: Path, tmp_path: Path, name: str) -> None:
+    before = files_below(tmp_path)
+    extension = Path(name.removesuffix(".gz")).suffix.lower()
+    with pytest.raises(InputError, match=rf"'\{extension}' is not the extension of a format .*\.obj"):
+        write_mesh(read_mesh(source), tmp_path / name)
+    assert files_below(tmp_path) == before
+
+
+def test_the_extension_of_the_input_may_be_kept(source: Path, tmp_path: Path) -> None:
+    odd = tmp_path / "scan.dat"
+    odd.write_bytes(source.read_bytes())
+    write_mesh(read_mesh(odd), tmp_path / "copy.dat")
+    assert (tmp_path / "copy.dat").read_bytes() == source.read_bytes()
+
+
+@pytest.mark.parametrize(("extension", "format_"), OTHER_NAMES.items())
+def test_other_names_of_formats(tmp_path: Path, extension: str, format_: str) -> None:
+    write_mesh(TETRA, tmp_path / f"a{extension}")
+    write_mesh(TETRA, tmp_path / f"a.{format_}")
+    mesh = read_mesh(tmp_path / f"a{extension}")
+    assert mesh.document is not None
+    assert mesh.document.format == format_
+    assert (tmp_path / f"a{extension}").read_bytes() == (tmp_path / f"a.{format_}").read_bytes()
 
 
 def test_other_faces_than_the_files(source: Path, tmp_path: Path) -> None:

@@ -115,14 +115,17 @@ def _attacked(
     import numpy as np
 
     from meshmark.attacks import Given
-    from meshmark.io import read_mesh, write_mesh
+    from meshmark.io import check_extension, read_mesh, uncompressed, write_mesh
 
+    check_extension(out, model)
     start = perf_counter()
     mesh = read_mesh(model)
     copies = tuple(read_mesh(other) for other in others)
     with progress("attacking"), naming(model, *others):
         result = chain.apply(mesh, np.random.default_rng(seed), Given(copies, next(iter(copies), None)))
         report = write_mesh(result.mesh, out, default=mesh.document.format if mesh.document else None)
+    for remark in uncompressed(report, out):
+        say(f"meshmark: {remark}")
     lost = _lost(mesh) if result.mesh.document is None else report.dropped
     if lost:
         say(f"meshmark: {out.name} does not hold the model's {', '.join(lost)}")

@@ -59,6 +59,13 @@ def embed(
         Path | None,
         typer.Option(metavar="CERT", help="Also write a certificate, with which damaged copies are read."),
     ] = None,
+    recompress: Annotated[
+        bool,
+        typer.Option(
+            "--recompress",
+            help="Compress OUT as IN is (glTF with Draco); without it, OUT of a compressed glTF is uncompressed.",
+        ),
+    ] = False,
     as_json: AsJson = False,
 ) -> int:
     """Put a mark into a model.
@@ -86,7 +93,9 @@ def embed(
     wanted = None if layers is None else layers.value
     coarse = None if tolerance is None else tolerance.value
     with progress("marking"), naming(model):
-        result = embed_file(model, out, secret, number, strength.value, wanted, carried, coarse)
+        result = embed_file(
+            model, out, secret, number, strength.value, wanted, carried, coarse, recompress=recompress
+        )
         if certificate is not None:
             result.certificate.save(certificate)
     for remark in result.remarks:

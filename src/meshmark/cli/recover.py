@@ -22,9 +22,10 @@ def recover(
     Exit code 1: it cannot be recovered, and nothing is written.
     """
     from meshmark.coding.keys import Key
-    from meshmark.io import read_mesh, write_mesh
+    from meshmark.io import check_extension, read_mesh, uncompressed, write_mesh
 
     check_output(out, [path for path in (model, key, certificate) if path is not None])
+    check_extension(out, model)
     secret = Key.load(key)
     mesh = read_mesh(model)
     reference = load_reference(certificate)
@@ -38,6 +39,8 @@ def recover(
     if found.lost:
         say(f"meshmark: {out.name} will not hold the model's {', '.join(found.lost)}: its faces change")
     report = write_mesh(found.mesh, out)
+    for remark in uncompressed(report, out):
+        say(f"meshmark: {remark}")
     if report.dropped:
         say(f"meshmark: {out.name} cannot hold the model's {', '.join(report.dropped)}")
     words = (

@@ -29,10 +29,11 @@ def unmark(
     moved. From a model that was not changed otherwise the original comes back.
     """
     from meshmark.coding.keys import Key
-    from meshmark.io import read_mesh, write_mesh
+    from meshmark.io import check_extension, read_mesh, uncompressed, write_mesh
 
     start = perf_counter()
     check_output(out, [model, key, certificate])
+    check_extension(out, model)
     secret = Key.load(key)
     mesh = read_mesh(model)
     from meshmark.schemes.ncdg_lv import Certificate
@@ -44,6 +45,8 @@ def unmark(
         near = f"the original within {_up(found.within_over_diagonal)} of the diagonal"
         whole = near if found.exact else _told(model, mesh, secret, near)
     report = write_mesh(found.mesh, out)
+    for remark in uncompressed(report, out):
+        say(f"meshmark: {remark}")
     if report.dropped:
         say(f"meshmark: {out.name} cannot hold the model's {', '.join(report.dropped)}")
     words = (

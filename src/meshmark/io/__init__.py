@@ -2,8 +2,17 @@
 
 from __future__ import annotations
 
-from meshmark.io.formats import FORMATS
-from meshmark.io.save import WriteReport, conform, write_mesh
+from meshmark.io.formats import FORMATS, check_extension
+from meshmark.io.save import WriteReport, check_recompression, conform, uncompressed, write_mesh
 from meshmark.io.source import read_mesh
 
-__all__ = ["FORMATS", "WriteReport", "conform", "read_mesh", "write_mesh"]
+__all__ = [
+    "FORMATS",
+    "WriteReport",
+    "check_extension",
+    "check_recompression",
+    "conform",
+    "read_mesh",
+    "uncompressed",
+    "write_mesh",
+]

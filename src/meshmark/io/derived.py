@@ -44,7 +44,7 @@ class _Derived:
     def lost(self) -> tuple[str, ...]:
         """Return the names of what the file held that one with other faces does not."""
         if _gltf(self.base) is not None:
-            return ()
+            return tuple(f"compression ({name})" for name in self.summary().get("compression", ()))
         seams = () if self.base.attributes().seams is None else ("seams of its texture",)
         return (*self._converted(self.vertices, "model")[1], *seams)
 

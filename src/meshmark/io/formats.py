@@ -19,7 +19,7 @@ from meshmark.io.stl import parse_stl
 from meshmark.io.stl_new import convert_stl
 from meshmark.mesh import FloatArray, IntArray
 
-__all__ = ["FORMATS", "Format", "detect_format", "format_of_name"]
+__all__ = ["FORMATS", "OTHER_NAMES", "Format", "check_extension", "detect_format", "format_of_name"]
 
 Converted = tuple[dict[str, bytes], tuple[str, ...]]
 
@@ -125,10 +125,43 @@ FORMATS: dict[str, Format] = {
 }
 
 
+# Extensions of other programs' files that are one of these formats to the byte; as input and as output.
+OTHER_NAMES: dict[str, str] = {
+    ".vrm": "glb",  # avatars: a GLB with extensions of its own, all of which a save keeps
+}
+
+
 def format_of_name(path: Path) -> Format | None:
     """Return the format that a file name's extension stands for (a final `.gz` is set aside), or None."""
-    name = path.name.lower().removesuffix(".gz")
-    return next((entry for entry in FORMATS.values() if name.endswith(entry.extensions)), None)
+    extension = _extension(path)
+    if extension in OTHER_NAMES:
+        return FORMATS[OTHER_NAMES[extension]]
+    return next((entry for entry in FORMATS.values() if extension in entry.extensions), None)
+
+
+def check_extension(path: Path, source: Path | None = None) -> None:
+    """Raise `InputError` where the extension of an output stands for a format that is not written.
+
+    A name without an extension is fine, and so is the extension that the input, `source`, has: what is in such a
+    file is known, and the output holds the same.
+    """
+    extension = _extension(path)
+    if not extension or format_of_name(path) is not None:
+        return
+    if source is None or extension != _extension(source):
+        raise InputError(
+            f"cannot write {path}: '{extension}' is not the extension of a format that meshmark writes, expected "
+            f"one of {_known_extensions()}, also .gz"
+        )
+
+
+def _extension(path: Path) -> str:
+    """Return the last extension of a name, in lower case and with the dot; empty where there is none."""
+    return Path(path.name.lower().removesuffix(".gz")).suffix
+
+
+def _known_extensions() -> str:
+    return " ".join([*(entry.extensions[0] for entry in FORMATS.values()), *OTHER_NAMES])
 
 
 def detect_format(data: bytes, path: Path) -> Format:
@@ -141,6 +174,7 @@ def detect_format(data: bytes, path: Path) -> Format:
         return named
     found = next((entry for entry in FORMATS.values() if entry.sniff(head, len(data))), named)
     if found is None:
-        known = " ".join(entry.extensions[0] for entry in FORMATS.values())
-        raise InputError(f"{path} is not a model file in a known format, expected one of {known}, also .gz")
+        raise InputError(
+            f"{path} is not a model file in a known format, expected one of {_known_extensions()}, also .gz"
+        )
     return found

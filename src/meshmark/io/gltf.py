@@ -1,7 +1,8 @@
 """glTF 2.0, as .gltf and .glb: a save patches positions into the original bytes and nothing else.
 
-Specification: Khronos glTF 2.0.1, with KHR_mesh_quantization. Compressed geometry (Draco, meshopt) is
-refused, see docs/decisions/0002-compressed-gltf.md.
+Specification: Khronos glTF 2.0.1, with KHR_mesh_quantization. A file with compressed data (Draco, meshopt) is
+decoded first (`gltf_unpack`), and a save with moved positions writes it uncompressed, see
+docs/decisions/0002-compressed-gltf.md.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from meshmark.io.gltf_container import Container, open_glb, open_gltf
 from meshmark.io.gltf_patch import rebuild, referenced_files
 from meshmark.io.gltf_points import Points, open_points
 from meshmark.io.gltf_scene import Scene, open_scene
+from meshmark.io.gltf_unpack import compressions, unpacked
 from meshmark.io.gltf_uses import check_uses
 from meshmark.io.placement import Placement, place, pull_back
 from meshmark.mesh import FloatArray, IntArray
@@ -33,6 +35,7 @@ class GltfDocument:
     """A glTF file; the `Document` protocol says what its methods promise.
 
     `gltf_scene` says which vertices there are; `gltf_patch` how files beside a .gltf are named.
+    compressed: the file as it was read, where the container holds it without its compression; else None.
     """
 
     container: Container
@@ -41,6 +44,7 @@ class GltfDocument:
     placements: tuple[Placement, ...]
     vertices: FloatArray
     faces: IntArray
+    compressed: Container | None = None
 
     @property
     def format(self) -> str:
@@ -59,6 +63,9 @@ class GltfDocument:
         a position cannot be stored.
         """
         target, moved = self._pulled(vertices)
+        if self.compressed is not None and not moved.any():
+            names = {item.name for item in self.compressed.segments if item.kind == "file"}
+            return rebuild(self.compressed, self.compressed.blob, name, names)
         blob = self.container.blob
         if moved.any():
             check_uses(self.container, self.points, moved)
@@ -71,12 +78,16 @@ class GltfDocument:
 
     def summary(self) -> dict[str, Any]:
         """Return what `meshmark info` prints."""
-        return gltf_summary(self.container, self.scene)
+        names = () if self.compressed is None else compressions(self.compressed)
+        return {**gltf_summary(self.compressed or self.container, self.scene), "compression": list(names)}
 
     def side_files(self) -> tuple[Path, ...]:
         """Return the existing images, and buffers without positions, beside the model."""
         held, folder = self._held(), self.container.path.parent
-        names = [name for name in referenced_files(self.container) if name not in held]
+        listed = referenced_files(self.container)
+        if self.compressed is not None:  # its buffers are still the input's, whatever a save writes
+            listed = list(dict.fromkeys([*listed, *referenced_files(self.compressed)]))
+        names = [name for name in listed if name not in held]
         return tuple(folder / name for name in names if (folder / name).is_file())
 
     def _held(self) -> set[str]:
@@ -102,7 +113,8 @@ def parse_gltf(data: bytes, path: Path) -> GltfDocument:
     return _parse(open_gltf(data, path))
 
 
-def _parse(container: Container) -> GltfDocument:
+def _parse(read: Container) -> GltfDocument:
+    container = unpacked(read)
     scene = open_scene(container)
     used = dict.fromkeys(part.accessor for part in scene.parts)
     points = open_points(container.blob, [scene.accessors[index] for index in used])
@@ -112,4 +124,5 @@ def _parse(container: Container) -> GltfDocument:
         raise FormatError(f"{container.path.name}: its node transforms take positions beyond any range")
     vertices.flags.writeable = False
     scene.faces.flags.writeable = False
-    return GltfDocument(container, scene, points, placements, vertices, scene.faces)
+    compressed = None if container is read else read
+    return GltfDocument(container, scene, points, placements, vertices, scene.faces, compressed)

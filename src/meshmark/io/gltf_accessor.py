@@ -13,11 +13,10 @@ from meshmark.io.gltf_container import Bytes, Container
 from meshmark.io.gltf_schema import Json, integer, reference
 from meshmark.mesh import FloatArray, IntArray
 
-__all__ = ["Accessor", "Sparse", "normalised", "open_accessor"]
+__all__ = ["COMPONENTS", "WIDTHS", "Accessor", "Sparse", "component", "normalised", "open_accessor"]
 
-_COMPONENTS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
-_WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
-_MESHOPT = ("EXT_meshopt_compression", "KHR_meshopt_compression")
+COMPONENTS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
+WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
 
 # An accessor without a bufferView is all zeros and costs no bytes in the file: this bounds its memory.
 _MOST_ZEROS = 4_000_000
@@ -97,9 +96,9 @@ def normalised(raw: NDArray[Any], normalized: bool) -> FloatArray:
 def open_accessor(container: Container, index: int) -> Accessor:
     """Return accessor `index`, checked against the bytes there are. Raises `FormatError`."""
     item, where = container.tables["accessors"][index], f"accessor {index}"
-    dtype, width = _component(item, where), _WIDTHS.get(str(item.get("type")))
+    dtype, width = component(item, where), WIDTHS.get(str(item.get("type")))
     if width is None:
-        raise FormatError(f"{where} has type {item.get('type')!r}, expected one of {', '.join(_WIDTHS)}")
+        raise FormatError(f"{where} has type {item.get('type')!r}, expected one of {', '.join(WIDTHS)}")
     count = integer(item, "count", where, None, 1)
     view = reference(item, "bufferView", where, container.tables["bufferViews"])
     start, stride = None, width * dtype.itemsize
@@ -113,11 +112,12 @@ def open_accessor(container: Container, index: int) -> Accessor:
     return Accessor(index, count, width, dtype, item.get("normalized") is True, start, stride, sparse)
 
 
-def _component(item: Json, where: str) -> np.dtype[Any]:
+def component(item: Json, where: str) -> np.dtype[Any]:
+    """Return the type that an accessor's "componentType" stands for."""
     code = integer(item, "componentType", where)
-    if code not in _COMPONENTS:
-        raise FormatError(f"{where} has componentType {code}, expected one of {list(_COMPONENTS)}")
-    return np.dtype(_COMPONENTS[code])
+    if code not in COMPONENTS:
+        raise FormatError(f"{where} has componentType {code}, expected one of {list(COMPONENTS)}")
+    return np.dtype(COMPONENTS[code])
 
 
 def _place(
@@ -125,13 +125,6 @@ def _place(
 ) -> tuple[int, int]:
     """Return the address of the first row and the stride of rows (count, bytes each) in a bufferView."""
     record = container.tables["bufferViews"][view]
-    extensions = record.get("extensions")
-    packed = [name for name in _MESHOPT if isinstance(extensions, dict) and name in extensions]
-    if packed:
-        raise FormatError(
-            f"bufferView {view} is compressed with {packed[0]}, which meshmark cannot patch: decompress "
-            "the model first, for example with `gltf-transform copy IN OUT`"
-        )
     start, size = container.view_span(view)
     count, row_bytes = shape
     stride = row_bytes if dense else integer(record, "byteStride", f"bufferView {view}", row_bytes, 1)
@@ -158,7 +151,7 @@ def _sparse(container: Container, item: Any, where: str, count: int, row_bytes: 
         if view is None:
             raise FormatError(f"{where}: its {key} have no bufferView")
         if key == "indices":
-            dtype = _component(part, where)
+            dtype = component(part, where)
         size = dtype.itemsize if key == "indices" else row_bytes
         starts.append(_place(container, part, where, view, (number, size), dense=True)[0])
     if dtype.kind != "u":

@@ -20,12 +20,12 @@ from meshmark.errors import FormatError
 from meshmark.io.gltf_schema import Json, integer, objects, text
 from meshmark.io.json_text import load_json
 
-__all__ = ["Container", "Segment", "local_name", "open_glb", "open_gltf"]
+__all__ = ["TABLES", "Bytes", "Container", "Segment", "local_name", "open_glb", "open_gltf"]
 
 Bytes = NDArray[np.uint8]
 
 _JSON_CHUNK, _BIN_CHUNK = 0x4E4F534A, 0x004E4942
-_TABLES = (
+TABLES = (
     *("scenes", "nodes", "meshes", "accessors", "bufferViews", "buffers"),
     *("materials", "textures", "images", "skins", "animations", "cameras"),
 )
@@ -70,8 +70,10 @@ class Container:
 
     def view_span(self, view: int) -> tuple[int, int]:
         """Return the address and size in bytes of bufferView `view`."""
-        where = f"bufferView {view}"
-        item = self.tables["bufferViews"][view]
+        return self.span(self.tables["bufferViews"][view], f"bufferView {view}")
+
+    def span(self, item: Json, where: str) -> tuple[int, int]:
+        """Return the address and size of what `item` names by "buffer", "byteOffset" and "byteLength"."""
         buffers = self.tables["buffers"]
         index = integer(item, "buffer", where)
         start, size = integer(item, "byteOffset", where, 0), integer(item, "byteLength", where, None, 1)
@@ -125,7 +127,7 @@ def _open(
     version = asset.get("version") if isinstance(asset, dict) else None
     if not isinstance(version, str) or not version.startswith("2."):
         raise FormatError(f"{path.name}: 'asset' gives version {version!r}, expected glTF 2.0")
-    tables = {key: objects(tree, key) for key in _TABLES}
+    tables = {key: objects(tree, key) for key in TABLES}
     segments, pieces = _load_buffers(tables["buffers"], path, data, chunk)
     blob = pieces[0] if len(pieces) == 1 else np.concatenate([np.empty(0, np.uint8), *pieces])
     blob.flags.writeable = False
@@ -173,11 +175,12 @@ def _decoded(uri: str, index: int) -> Bytes:
 def local_name(uri: str, where: str) -> str:
     """Return the file that a URI names, relative to the model's folder.
 
+    A backslash counts as a slash, as browsers and Blender have it: exporters on Windows write it.
     Raises `FormatError` for addresses on the network and for paths that lead out of the folder.
     """
-    name = unquote(uri)
+    name = unquote(uri).replace("\\", "/")
     parts = PurePosixPath(name).parts
-    outside = name.startswith("/") or ".." in parts or "\\" in name or "\0" in name or _SCHEME.match(name)
+    outside = name.startswith("/") or ".." in parts or "\0" in name or _SCHEME.match(name)
     if outside or not parts:
         shown = uri if len(uri) <= 60 else uri[:57] + "..."
         raise FormatError(f"{where}: the uri {shown!r} is not a file inside the model's own folder")

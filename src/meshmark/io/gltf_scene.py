@@ -8,6 +8,7 @@ instances and level-of-detail extensions are not expanded.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,10 +25,12 @@ from meshmark.mesh import IntArray
 __all__ = ["Part", "Primitive", "Scene", "open_scene", "primitives_of"]
 
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
-_DRACO = "KHR_draco_mesh_compression"
 
 # A few bytes of nodes can show a large mesh many times: these bound the memory that a small file may ask for.
 _MOST_ROWS, _MOST_FACES = 30_000_000, 60_000_000
+
+# Exporters that multiply 32-bit matrices leave a last row that is 0 0 0 1 but for rounding.
+_AFFINE_WITHIN = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,12 +97,6 @@ def primitives_of(container: Container, mesh: int, accessors: dict[int, Accessor
         attributes = _attributes(container, item, where)
         if mode not in (_TRIANGLES, _STRIP, _FAN) or "POSITION" not in attributes:
             continue
-        extensions = item.get("extensions")
-        if isinstance(extensions, dict) and _DRACO in extensions:
-            raise FormatError(
-                f"{where} is compressed with {_DRACO}, which meshmark cannot patch: decompress the model "
-                "first, for example with `gltf-transform copy IN OUT`"
-            )
         position = attributes["POSITION"]
         if position not in accessors:
             accessors[position] = _open_positions(container, position)
@@ -205,20 +202,23 @@ def _roots(container: Container, parent: dict[int, int]) -> list[int]:
 
 
 def _local(node: Json, where: str) -> Affine:
-    """Return a node's own map, from its matrix (column by column) or translation, rotation, scale."""
+    """Return a node's own map, from its matrix (column by column) or translation, rotation, scale.
+
+    What breaks the specification is read as three.js and Blender read it: beside a matrix the other three do not
+    count, the last row of a matrix is taken as 0 0 0 1 where it is that but for rounding, and a rotation of length
+    zero turns nothing. A rotation of any other length is made a unit one, as Blender and trimesh do.
+    """
     parts: dict[str, list[Any]] = {"translation": [0, 0, 0], "rotation": [0, 0, 0, 1], "scale": [1, 1, 1]}
     if "matrix" in node:
-        if any(key in node for key in parts):
-            raise FormatError(f"{where} has a matrix and also translation, rotation or scale")
         matrix = np.array(numbers(node, "matrix", where, [0.0] * 16)).reshape(4, 4).T
-        if (matrix[3] != [0, 0, 0, 1]).any():
+        if (np.abs(matrix[3] - [0, 0, 0, 1]) > _AFFINE_WITHIN).any():
             raise FormatError(f"{where}: its matrix is not affine, expected the last row 0 0 0 1")
         return Affine(matrix[:3, :3], matrix[:3, 3])
     move, (x, y, z, w), scale = (numbers(node, key, where, default) for key, default in parts.items())
-    length = float(np.sqrt(x * x + y * y + z * z + w * w))
-    if not abs(length - 1) < 0.01:
-        raise FormatError(f"{where}: its rotation has length {length:.3g}, expected a unit quaternion")
-    x, y, z, w = x / length, y / length, z / length, w / length
+    length = math.hypot(x, y, z, w)
+    if not math.isfinite(length):
+        raise FormatError(f"{where}: its rotation is beyond the range of floating point numbers")
+    x, y, z, w = (x / length, y / length, z / length, w / length) if length > 0 else (0.0, 0.0, 0.0, 1.0)
     turn = np.array(
         [
             [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],

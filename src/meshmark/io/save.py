@@ -12,11 +12,11 @@ import numpy as np
 
 from meshmark.errors import InputError, MeshmarkError, OutputError
 from meshmark.io.document import Attributes
-from meshmark.io.formats import FORMATS, Format, format_of_name
+from meshmark.io.formats import FORMATS, Format, check_extension, format_of_name
 from meshmark.io.source import SourceFile, gzipped
 from meshmark.mesh import FloatArray, IntArray, Mesh
 
-__all__ = ["WriteReport", "conform", "write_mesh"]
+__all__ = ["WriteReport", "check_recompression", "conform", "uncompressed", "write_mesh"]
 
 
 @dataclass(frozen=True)
@@ -24,10 +24,12 @@ class WriteReport:
     """What a save wrote.
 
     files:   the files, the model first. dropped: names of what the target format could not keep.
+    decompressed: the extensions that compressed the file read and do not compress the one written.
     """
 
     files: tuple[Path, ...]
     dropped: tuple[str, ...] = ()
+    decompressed: tuple[str, ...] = ()
 
 
 def conform(mesh: Mesh, vertices: FloatArray) -> FloatArray:
@@ -43,24 +45,31 @@ def write_mesh(
     path: str | Path,
     verify: Callable[[Path], None] | None = None,
     default: str | None = None,
+    recompress: bool = False,
 ) -> WriteReport:
     """Write a mesh to `path`: positions patched into the file it came from, or converted to a new one.
 
-    The format is the extension's, or without a known one that of the file read. A patched save changes
+    The format is the extension's, or without an extension that of the file read. A patched save changes
     nothing but positions and copies side files (materials, images) that are not there yet. All files are
     complete before any is moved into place; on failure none is left. `verify` is given the model among the
     complete files, before they have their places, and stops the save by raising. `default` is the format, a key
-    of `FORMATS`, for a mesh made in memory where the path has no known extension.
-    Raises `InputError` where `path` is the file read or one it refers to, or has no known format, and
-    `OutputError` where it cannot be written.
+    of `FORMATS`, for a mesh made in memory where the path has no known extension. A compressed file (glTF) is
+    written uncompressed, as `decompressed` says, unless nothing moved; `recompress` compresses it as it was.
+    Raises `InputError` where `path` is the file read or one it refers to, or has no known format or the extension
+    of one that is not written, or cannot be compressed as it was, and `OutputError` where it cannot be written.
     """
     path = Path(path)
     entry = _format_for(mesh, path, default)
     document = mesh.document
+    if recompress:
+        check_recompression(mesh, path)
     source = document if isinstance(document, SourceFile) else None
     target = _checked_target(path, source)
+    if document is not None:
+        check_extension(path, None if source is None else source.path)
     copies: dict[str, Path] = {}
     dropped: tuple[str, ...] = ()
+    decompressed: tuple[str, ...] = ()
     if document is not None and not np.array_equal(mesh.faces, document.faces):
         raise InputError(
             "the mesh has other faces than the file it came from; drop its document to save it anew"
@@ -68,6 +77,9 @@ def write_mesh(
     if document is not None and document.format == entry.name:
         holder = source or SourceFile(path, document)
         files = dict(holder.patched(mesh.vertices, path.name))
+        decompressed = holder.decompressed(mesh.vertices)
+        if recompress:
+            files, decompressed = holder.recompressed(files, path.name, decompressed), ()
         copies = _side_copies(holder, target.parent)
     else:
         files, dropped = _converted(mesh, entry, path.name)
@@ -77,9 +89,25 @@ def write_mesh(
         files |= {name: origin.read_bytes() for name, origin in copies.items() if name not in files}
         places = {target: main, **_beside(target, files)}
         _move_into_place(places, present, verify)
-        return WriteReport(tuple(places), dropped)
+        return WriteReport(tuple(places), dropped, decompressed)
     except OSError as error:
         raise OutputError(f"cannot write {error.filename or path}: {error.strerror or error}") from None
+
+
+def uncompressed(report: WriteReport, path: Path) -> tuple[str, ...]:
+    """Return the sentence, if any, that a save to `path` wrote a compressed model uncompressed."""
+    if not report.decompressed:
+        return ()
+    names = " and ".join(report.decompressed)
+    return (f"{path.name} is written without the compression of the input ({names}), all else is kept",)
+
+
+def check_recompression(mesh: Mesh, path: Path) -> None:
+    """Raise `InputError` where a mesh cannot be written to `path` compressed as its file was."""
+    document = mesh.document
+    if not isinstance(document, SourceFile) or _format_for(mesh, path, None).name != document.format:
+        raise InputError(f"cannot compress {path} as its input is: it is written in another format")
+    document.check_recompression()
 
 
 def _format_for(mesh: Mesh, path: Path, default: str | None) -> Format:

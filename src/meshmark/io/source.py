@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import io
 import zlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from gzip import BadGzipFile, GzipFile
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from meshmark.errors import FormatError, InputError
 from meshmark.io.document import Attributes, Document
@@ -69,6 +71,31 @@ class SourceFile:
         main = files.pop(inner)
         unchanged = self.packed is not None and main == self.plain
         return {name: self.packed if unchanged and self.packed else gzipped(main), **files}
+
+    def decompressed(self, vertices: FloatArray) -> tuple[str, ...]:
+        """Return the extensions that compress this file but not what `patched` gives for these positions."""
+        names = tuple(self.document.summary().get("compression", ()))
+        return () if np.array_equal(vertices, self.vertices) else names
+
+    def recompressed(self, files: Mapping[str, bytes], name: str, names: Sequence[str]) -> dict[str, bytes]:
+        """Return the files that `patched` gave, the model being `name`, compressed where it was by `names`."""
+        if not names:
+            return dict(files)
+        from meshmark.io.gltf_repack import repacked
+
+        packed = files[name].startswith(_GZIP_MAGIC)
+        plain = {**files, name: _unpacked(files[name])} if packed else files
+        found = repacked(plain, name, self.format)
+        return {**found, name: gzipped(found[name])} if packed else found
+
+    def check_recompression(self) -> None:
+        """Raise `InputError` for a file that is not compressed, or by an extension that nothing here writes."""
+        names = self.document.summary().get("compression", ())
+        if not names:
+            raise InputError(f"{self.path.name} is not compressed, expected no --recompress")
+        from meshmark.io.gltf_repack import check_encoders
+
+        check_encoders(names)
 
     def attributes(self) -> Attributes:
         """Return what a conversion to another format may keep."""

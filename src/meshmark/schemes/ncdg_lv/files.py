@@ -10,7 +10,7 @@ from time import perf_counter
 import numpy as np
 
 from meshmark.coding.keys import Key
-from meshmark.io import read_mesh, write_mesh
+from meshmark.io import check_extension, check_recompression, read_mesh, uncompressed, write_mesh
 from meshmark.mesh import Mesh
 from meshmark.schemes.ncdg_lv.authentication.content import Content
 from meshmark.schemes.ncdg_lv.layers import embed
@@ -30,8 +30,11 @@ def embed_file(
     layers: str | None = None,
     payload: Content = None,
     tolerance: str | None = None,
+    recompress: bool = False,
 ) -> Embedding:
     """Mark the model file `model` and write the result to `out`; see `embed` for the arguments.
+
+    recompress: whether a compressed glTF is written compressed as it was, not uncompressed with a remark.
 
     The complete files are written under temporary names and read again, all layers blind; only then do they
     take their places; `seconds` counts all of it. Raises what reading, embedding and writing raise, and
@@ -39,17 +42,20 @@ def embed_file(
     nothing is left behind then.
     """
     start = perf_counter()
+    check_extension(Path(out), Path(model))
     mesh = read_mesh(model)
+    if recompress:
+        check_recompression(mesh, Path(out))
     result = embed(mesh, key, id=id, strength=strength, layers=layers, payload=payload, tolerance=tolerance)
     seen: list[Mesh] = []
 
     def read_back(written: Path) -> None:
         seen.append(read_mesh(written))
         if not _same(seen[0], result.mesh):  # `embed` has checked these very positions
-            verify(seen[0], key, result, Path(out).name)
+            verify(seen[0], key, result, Path(out).name, compressed=recompress)
 
-    report = write_mesh(result.mesh, out, verify=read_back)
-    remarks = result.remarks
+    report = write_mesh(result.mesh, out, verify=read_back, recompress=recompress)
+    remarks = result.remarks + uncompressed(report, Path(out))
     if report.dropped:
         remarks += (f"{Path(out).name} cannot hold the model's {', '.join(report.dropped)}",)
     result = _as_written(result, mesh, seen[0], key)

@@ -12,14 +12,27 @@ from meshmark.schemes.ncdg_lv.results import Embedding
 __all__ = ["authentic", "verify"]
 
 
-def verify(mesh: Mesh, key: Key, expected: Embedding, where: str = "the marked model") -> None:
+def verify(
+    mesh: Mesh,
+    key: Key,
+    expected: Embedding,
+    where: str = "the marked model",
+    *,
+    compressed: bool = False,
+) -> None:
     """Check that a mesh is authentic by its marks and carries the id, with the key alone.
 
     Of a model with the id alone there must be no marks that would call it altered. expected: what was embedded;
-    where: name of what holds the mesh. Raises `CapacityError` with a sentence about the layer that fails.
+    where: name of what holds the mesh; compressed: it was compressed on request. Raises `CapacityError` with a sentence about the layer that fails.
     """
     found = examine(mesh, key)
-    coarse = f"cannot be read back from {where}, whose format holds positions too coarsely; use"
+    if compressed:
+        coarse = f"cannot be read back from {where} once it is compressed"
+        advice = ("leave --recompress out", "use --tolerance tolerant, or leave --recompress out")
+    else:
+        coarse = f"cannot be read back from {where}, whose format holds positions too coarsely"
+        same_format = "or the format of the input"
+        advice = (f"use --strength strong {same_format}", f"use --tolerance tolerant {same_format}")
     identity = found.id
     if expected.layers == "ownership":
         if found.marked:
@@ -28,13 +41,11 @@ def verify(mesh: Mesh, key: Key, expected: Embedding, where: str = "the marked m
                 "it altered; mark the unmarked original, or with --layers both"
             )
     elif not authentic(found, expected.id):
-        raise CapacityError(
-            f"the marks of authentication {coarse} --tolerance tolerant or the format of the input"
-        )
+        raise CapacityError(f"the marks of authentication {coarse}; {advice[1]}")
     elif expected.layers == "both":
         identity = extract(mesh, key).id
     if identity != expected.id:
-        raise CapacityError(f"the id {coarse} --strength strong or the format of the input")
+        raise CapacityError(f"the id {coarse}; {advice[0]}")
 
 
 def authentic(found: Examination, identity: int) -> bool:
