@@ -41,6 +41,7 @@ class GltfDocument:
     placements: tuple[Placement, ...]
     vertices: FloatArray
     faces: IntArray
+    remarks: tuple[str, ...] = ()
 
     @property
     def format(self) -> str:

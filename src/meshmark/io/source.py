@@ -49,6 +49,11 @@ class SourceFile:
         return self.document.vertices
 
     @property
+    def remarks(self) -> tuple[str, ...]:
+        """Return what the user should know of how the file was read."""
+        return self.document.remarks
+
+    @property
     def faces(self) -> IntArray:
         """Return the (m, 3) triangles."""
         return self.document.faces

@@ -49,6 +49,7 @@ class ThreeMfDocument:
     vertices: FloatArray
     faces: IntArray
     format: str = "3mf"
+    remarks: tuple[str, ...] = ()
 
     def conform(self, vertices: FloatArray) -> FloatArray:
         """Return the positions (n, 3) that reading the written file would give, to the last bit."""
