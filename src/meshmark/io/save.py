@@ -68,9 +68,10 @@ def write_mesh(
     if document is not None and document.format == entry.name:
         holder = source or SourceFile(path, document)
         files = dict(holder.patched(mesh.vertices, path.name))
-        copies = _side_copies(holder, target.parent)
+        copies, dropped = _side_copies(holder, target.parent), holder.left_behind(path.name)
     else:
         files, dropped = _converted(mesh, entry, path.name)
+        dropped += () if source is None else source.left_behind(path.name)
     main = files.pop(path.name)
     try:
         present = _present(files, target)

@@ -8,16 +8,19 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from gzip import BadGzipFile, GzipFile
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from meshmark.errors import FormatError, InputError
 from meshmark.io.document import Attributes, Document
 from meshmark.io.formats import detect_format
 from meshmark.mesh import FloatArray, IntArray, Mesh
 
+if TYPE_CHECKING:
+    from meshmark.io.archive import Archive
+
 __all__ = ["SourceFile", "gzipped", "read_mesh"]
 
-_GZIP_MAGIC = b"\x1f\x8b"
+_GZIP_MAGIC, _ZIP_MAGIC = b"\x1f\x8b", b"PK\x03\x04"
 
 # Files beyond this are refused: their arrays would not fit into an ordinary machine's memory.
 _MAX_BYTES = 4 << 30
@@ -31,12 +34,14 @@ class SourceFile:
     """A document together with the file it was read from; itself a `Document`.
 
     path: where it was read. packed: the bytes of a gzipped file, plain: what was in it; else None.
+    archive: the zip archive that holds the model, or None.
     """
 
     path: Path
     document: Document
     packed: bytes | None = None
     plain: bytes | None = None
+    archive: Archive | None = None
 
     @property
     def format(self) -> str:
@@ -51,7 +56,7 @@ class SourceFile:
     @property
     def remarks(self) -> tuple[str, ...]:
         """Return what the user should know of how the file was read."""
-        return self.document.remarks
+        return (() if self.archive is None else (self.archive.remark,)) + self.document.remarks
 
     @property
     def faces(self) -> IntArray:
@@ -65,8 +70,14 @@ class SourceFile:
     def patched(self, vertices: FloatArray, name: str) -> Mapping[str, bytes]:
         """Return the files to write; the first is gzipped where `name` ends in `.gz`.
 
-        A gzipped file whose own name does not say so stays gzipped.
+        A gzipped file whose own name does not say so stays gzipped. A model from a zip archive goes back into it
+        where `name` ends in `.zip`, or neither name does. Raises `InputError` for such a name without an archive.
         """
+        if self._in_archive(name) and self.archive is not None:
+            (main,) = self.document.patched(vertices, self.archive.name).values()
+            return {name: self.archive.holding(main)}
+        if _says_zip(name):
+            raise InputError(f"cannot write {name}: a zip archive is only written where one was read")
         inner = name[:-3] if _says_gzip(name) else name
         files = dict(self.document.patched(vertices, inner))
         if inner == name and (self.packed is None or _says_gzip(self.path.name)):
@@ -74,6 +85,15 @@ class SourceFile:
         main = files.pop(inner)
         unchanged = self.packed is not None and main == self.plain
         return {name: self.packed if unchanged and self.packed else gzipped(main), **files}
+
+    def left_behind(self, name: str) -> tuple[str, ...]:
+        """Return what of the archive a file of this name does not hold."""
+        if self.archive is None or not self.archive.others or self._in_archive(name):
+            return ()
+        return ("other files in the zip archive",)
+
+    def _in_archive(self, name: str) -> bool:
+        return self.archive is not None and (_says_zip(name) or not _says_zip(self.path.name))
 
     def attributes(self) -> Attributes:
         """Return what a conversion to another format may keep."""
@@ -86,6 +106,18 @@ class SourceFile:
     def side_files(self) -> tuple[Path, ...]:
         """Return existing files that the file refers to."""
         return self.document.side_files()
+
+
+def _says_zip(name: str) -> bool:
+    return name.lower().endswith(".zip")
+
+
+def _archive(data: bytes, path: Path) -> Archive | None:
+    if not data.startswith(_ZIP_MAGIC):
+        return None
+    from meshmark.io.archive import open_archive  # slow to import, and seldom needed
+
+    return open_archive(data, path)
 
 
 def _says_gzip(name: str) -> bool:
@@ -111,9 +143,11 @@ def read_mesh(path: str | Path) -> Mesh:
     raw = _read_bytes(path)
     try:
         plain = _unpacked(raw) if raw.startswith(_GZIP_MAGIC) else raw
-        document = detect_format(plain, path).parse(plain, path)
-        packed = plain is not raw
-        source = SourceFile(path, document, raw if packed else None, plain if packed else None)
+        packed, archive = plain is not raw, _archive(plain, path)
+        # Files that a model in an archive refers to are not beside the archive.
+        place, content = (path, plain) if archive is None else (path / archive.name, archive.content)
+        document = detect_format(content, place).parse(content, place)
+        source = SourceFile(path, document, raw if packed else None, plain if packed else None, archive)
         return Mesh(document.vertices, document.faces, source)
     except (MemoryError, RecursionError):
         raise InputError(f"{path} is too large or too deeply nested to be read") from None
