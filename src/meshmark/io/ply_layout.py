@@ -55,8 +55,8 @@ def _check_surplus(last: Element, data: PlyData, place: int) -> None:
     row = sum(data.width(entry.dtype) for entry in last.properties if entry.count is None)
     if last.name == "vertex" and data.end - place >= row:
         raise FormatError(
-            f"{amount(data.end - place, *data.unit)} follow the {last.rows} vertices that the header declares, "
-            "which may be further vertices"
+            f"the header declares {last.rows} vertices, but behind them stands what may be further ones: "
+            f"{amount(data.end - place, *data.unit)}"
         )
 
 
