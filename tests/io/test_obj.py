@@ -151,9 +151,8 @@ def test_what_is_not_finite_stays_where_no_face_uses_it() -> None:
 
 @pytest.mark.parametrize("suffix", [".stl", ".3mf", ".off", ".ply", ".obj", ".glb", ".gltf"])
 def test_a_conversion_drops_or_keeps_what_is_not_finite(suffix: str, tmp_path: Path) -> None:
-    (tmp_path / "a.obj").write_bytes(
-        POINTS + b"vt nan 1\nvt 0 inf\nvn 1.#IND 0 0\nf 1/1/1 2/2/1 3/1/1\nf 1/1/1 3/2/1 4/1/1\n"
-    )
+    more = b"vt nan 1\nvt 0 inf\nvn 1.#IND 0 0\nf 1/1/1 2/2/1 3/1/1\nf 1/1/1 3/2/1 4/1/1\n"
+    (tmp_path / "a.obj").write_bytes(POINTS + more)
     mesh = read_mesh(tmp_path / "a.obj")
     report = write_mesh(mesh, tmp_path / f"b{suffix}")
     again = read_mesh(tmp_path / f"b{suffix}")
