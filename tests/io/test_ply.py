@@ -163,6 +163,7 @@ BODY = b"end_header\n0 0 0\n1 0 0\n0 1 0\n"
         (HEAD + FACE + BODY + b"three 0 1 2\n", "'three' where a list length is expected"),
         (HEAD + FACE.replace(b"int vertex", b"float vertex") + BODY + b"3 0 1 2\n", "expected whole ones"),
         (HEAD + FACE + BODY.replace(b"1 0 0", b"1 nan 0") + b"3 0 1 2\n", "line 11 has 'nan'"),
+        (HEAD + FACE.replace(b"face 1", b"face 2") + BODY + b"3 0 1 2", "the data end before a list"),
         (
             HEAD + FACE.replace(b"face 1", b"face 2") + EDGE + BODY + b"3 0 1 2\n",
             "the data end before a list",

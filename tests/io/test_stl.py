@@ -98,7 +98,8 @@ def test_several_solids_and_broken_normals() -> None:
         (b"x" * 800, "text without a line 'solid'"),
         (binary_stl() + binary_stl()[84:134], "declares 4 facets, but 50 bytes follow them that look like"),
         (binary_stl()[:80] + bytes(4) + binary_stl()[84:] + b"x", "declares 0 facets"),
-        (binary_stl()[:80] + b"\5\0\0\0" + binary_stl()[84:], "declares 5 facets"),
+        (binary_stl()[:80] + b"\x09\0\0\0" + binary_stl()[84:], "declares 9 facets"),
+        (binary_stl()[:80] + b"\5\0\0\0" + binary_stl()[84:] + b"x", "declares 5 facets"),
         (
             text().replace(b"solid test\n", b"facet normal 0 0 1\nsolid test\n", 1),
             "where 'outer' is expected",
@@ -150,8 +151,8 @@ def test_bytes_behind_the_facets_are_kept_and_remarked_on(tail: bytes) -> None:
     assert document.patched(moved, "a")["a"] == plain.patched(moved, "a")["a"] + tail
 
 
-@pytest.mark.parametrize("count", [0, 0xFFFFFFFF])
-def test_a_placeholder_for_the_count_stays(count: int) -> None:
+@pytest.mark.parametrize("count", [0, 0xFFFFFFFF, 5, 8])
+def test_a_count_beyond_what_is_there_stays(count: int) -> None:
     data = binary_stl()[:80] + struct.pack("<I", count) + binary_stl()[84:]
     document = parse(data)
     assert document.vertices.tolist() == CORNERS.reshape(-1, 3).tolist()

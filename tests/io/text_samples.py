@@ -142,6 +142,7 @@ SAMPLES = {
     "off on one line with more than it declares": Sample(
         ".off", "OFF 4 4 0 " + "@ @ @ " * 4 + F.replace("\n", "  ") + "3 0 1 the end"
     ),
+    "off one face short": Sample(".off", "OFF\n4 5 0\n" + V * 4 + F),
     "ply with more than it declares": Sample(".ply", PLY + V * 4 + F + "\n\n1 2 see you\n"),
     "ply one face short": Sample(".ply", PLY.replace("face 4", "face 5") + V * 4 + F),
     "ply with a vertex that is not finite": Sample(

@@ -19,7 +19,7 @@ from meshmark.io.polygons import fan_corners
 from meshmark.io.text_numbers import parse_floats, parse_ints
 from meshmark.io.text_positions import text_positions
 from meshmark.io.text_tokens import Tokens, tokenise
-from meshmark.io.wording import surplus
+from meshmark.io.wording import amount, surplus
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["parse_off"]
@@ -59,11 +59,13 @@ def parse_off(data: bytes, _path: Path) -> PatchDocument:
     chosen = layout.column(0, 3).reshape(-1, 3)
     positions = text_positions(data, tokens.starts[chosen], tokens.ends[chosen])
     corners, sizes, colored, left = _faces(tokens, layout)
+    remarks = (surplus(left, "word", "words"),) if left else ()
+    if len(sizes) < layout.faces:
+        remarks = (f"the header declares {amount(layout.faces, 'face', 'faces')}, {len(sizes):,} are there",)
     faces = corners[fan_corners(sizes)]
     polygons = bool((sizes > 3).any())
     facts = {"encoding": "text", "variant": layout.magic, "polygons": polygons, "face_colors": colored}
     load = partial(_attributes, data, polygons, colored)
-    remarks = (surplus(left, "word", "words"),) if left else ()
     return patch_document("off", positions, faces, load, facts, remarks=remarks, gaps=positions.gaps)
 
 
@@ -133,7 +135,13 @@ def _faces(tokens: Tokens, layout: _Layout) -> tuple[IntArray, IntArray, bool, i
         if end < len(tokens.starts) and not _fits(tokens, heads, room):
             heads, room, end = _stream(tokens, layout)
     else:
-        heads, room, end = _stream(tokens, layout)
+        try:
+            heads, room, end = _stream(tokens, layout)
+        except FormatError:
+            heads, room = lines, np.diff(lines, append=end) - 1
+            fewer = 0 < len(lines) < layout.faces and lines[0] == begin and tokens.closed
+            if not fewer or not _fits(tokens, heads, room):
+                raise
     sizes = parse_ints(tokens.text, tokens.starts[heads], tokens.ends[heads])
     bad = (sizes < 1) | (sizes > room)
     if bad.any():

@@ -39,6 +39,11 @@ class PlyData(Protocol):
         """Return what one place is, and several are, for messages."""
         ...
 
+    @property
+    def whole(self) -> bool:
+        """Whether the last value is there in full wherever the file may have been cut off."""
+        ...
+
     def width(self, dtype: Type, /) -> int:
         """Return how many places one value takes."""
         ...
@@ -74,6 +79,7 @@ class BinaryData:
     begin: int
     end: int
     unit: tuple[str, str] = ("byte", "bytes")
+    whole: bool = True
 
     def width(self, dtype: Type) -> int:
         """Return the bytes of one value."""
@@ -105,6 +111,11 @@ class TextData:
     tokens: Tokens
     begin: int = 0
     unit: tuple[str, str] = ("word", "words")
+
+    @property
+    def whole(self) -> bool:
+        """Whether white space follows the last token: a number cut short has none."""
+        return self.tokens.closed
 
     @property
     def end(self) -> int:

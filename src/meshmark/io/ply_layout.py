@@ -110,7 +110,7 @@ def _row_by_row(element: Element, data: PlyData, place: int, last: bool) -> tupl
     if not steps:
         raise FormatError(f"the header declares '{element.name}' without properties")
     for row in range(element.rows):
-        if place == data.end and row and last and counts:
+        if place == data.end and row and last and counts and data.whole:
             break
         for entry, width, note in steps:
             size = 1

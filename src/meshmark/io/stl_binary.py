@@ -1,7 +1,7 @@
 """Binary STL: an 80-byte header, a count, and 50 bytes per facet.
 
-Writers that stream cannot know the count and leave a placeholder; then the length of the file tells it. What
-follows the facets counted is kept, unless it may be further facets.
+Writers that stream cannot know the count and leave a placeholder, and some miscount; then the length of the file
+tells how many complete facets there are. What follows the facets counted is kept, unless it may be further facets.
 """
 
 from __future__ import annotations
@@ -23,6 +23,8 @@ from meshmark.mesh import FloatArray
 __all__ = ["FACET", "HEAD", "parse_binary_stl"]
 
 HEAD = 84
+# A count that is wrong is not wrong by more than this factor, or the file is cut off or no STL.
+_MOST_MISSED = 2
 # Counts that stand for "not known".
 _PLACEHOLDERS = (0, 0xFFFFFFFF)
 # A facet lies within this many times the extent of the others about their middle; normals are about unit length.
@@ -78,7 +80,7 @@ def _counted(data: bytes) -> tuple[int, tuple[str, ...]]:
     """Return how many facets there are, and what the user should know of that."""
     declared = int.from_bytes(data[80:HEAD], "little")
     there, rest = divmod(len(data) - HEAD, FACET.itemsize)
-    if declared in _PLACEHOLDERS and there and not rest:
+    if there and not rest and (declared in _PLACEHOLDERS or there < declared <= _MOST_MISSED * there):
         found = amount(there, "facet is", "facets are")
         return there, (f"the header declares {declared:,} facets, {found} there",)
     if declared > there or (declared == 0 and there):

@@ -43,6 +43,11 @@ class Tokens:
     ends: IntArray
     first: IntArray
 
+    @property
+    def closed(self) -> bool:
+        """Whether anything follows the last token, so that it is not cut short."""
+        return bool(len(self.ends)) and int(self.ends[-1]) < len(self.text)
+
     def word(self, index: int) -> str:
         """Return token `index` as text, shortened for a message."""
         return readable(self.text, int(self.starts[index]), int(self.ends[index]))
