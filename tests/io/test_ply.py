@@ -239,3 +239,12 @@ def test_a_vertex_that_no_face_uses_need_not_be_finite(order: str) -> None:
     assert written == header + rows.astype(f"{order}f4").tobytes() + data[-13:]
     with pytest.raises(FormatError, match="vertex 1 has a coordinate that is not a finite number"):
         parse(data[:-4] + struct.pack(f"{order}i", 1))
+
+
+@pytest.mark.parametrize("order", ["ascii", "binary_little_endian", "binary_big_endian"])
+def test_faces_without_corners_alone_are_no_surface(order: str) -> None:
+    binary = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], "<f4" if "little" in order else ">f4").tobytes()
+    rows = BODY[len(b"end_header\n") :] + b"0\n0\n" if order == "ascii" else binary + bytes(2)
+    header = HEAD.replace(b"ascii", order.encode()) + FACE.replace(b"face 1", b"face 2") + b"end_header\n"
+    with pytest.raises(FormatError, match="no faces"):
+        parse(header + rows)

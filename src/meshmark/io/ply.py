@@ -72,7 +72,7 @@ def _corners(source: PlyData, face: Columns | None) -> tuple[IntArray, IntArray]
     if entry.dtype.kind == "f":
         raise FormatError(f"the list '{entry.name}' of the faces has real numbers, expected whole ones")
     sizes, places = face.counts[entry.name], face.places[entry.name]
-    if (sizes == sizes[0]).all():
+    if sizes[0] > 0 and (sizes == sizes[0]).all():
         return sizes, source.lists(places, entry.dtype, int(sizes[0])).astype(np.int64).ravel()
     group, place = members(sizes)
     return sizes, source.values(places[group] + place * source.width(entry.dtype), entry.dtype).astype(
