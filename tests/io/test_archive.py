@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import io
 import zipfile
 from pathlib import Path
@@ -130,6 +131,7 @@ def test_files_beside_the_archive_are_no_part_of_it(tmp_path: Path) -> None:
         ("a.zip", zipped({"a.usda": b"#usda", "a.obj": SAMPLES["obj"].data}), "is a USDZ package"),
         ("a.stl", zipped({"a.usda": b"#usda"}), "is a USDZ package"),
         ("a.zip", zipped({"a.stl": b""}), "has 0 bytes"),
+        ("a.zip.gz", gzip.compress(zipped({"a.stl": binary_stl()})), "is a gzipped zip archive"),
         (
             "a.zip",
             zipped({"a.gltf": b'{"asset": {"version": "2.0"}, "buffers": [{"uri": "a.bin"}]}'}),

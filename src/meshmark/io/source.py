@@ -6,13 +6,14 @@ import io
 import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
-from gzip import BadGzipFile, GzipFile
+from gzip import GzipFile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from meshmark.errors import FormatError, InputError
 from meshmark.io.document import Attributes, Document
 from meshmark.io.formats import detect_format
+from meshmark.io.wording import amount
 from meshmark.mesh import FloatArray, IntArray, Mesh
 
 if TYPE_CHECKING:
@@ -27,6 +28,8 @@ _MAX_BYTES = 4 << 30
 # Text of numbers shrinks up to twentyfold; a small file that grows beyond both limits is a trap.
 _MAX_GROWTH = 200
 _ALWAYS_ALLOWED = 64 << 20
+# For zlib: 32 kB of window, and a gzip header.
+_GZIP_WINDOW = 16 + zlib.MAX_WBITS
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +37,7 @@ class SourceFile:
     """A document together with the file it was read from; itself a `Document`.
 
     path: where it was read. packed: the bytes of a gzipped file, plain: what was in it; else None.
-    archive: the zip archive that holds the model, or None.
+    archive: the zip archive that holds the model, or None. tail: what follows the gzip data.
     """
 
     path: Path
@@ -42,6 +45,7 @@ class SourceFile:
     packed: bytes | None = None
     plain: bytes | None = None
     archive: Archive | None = None
+    tail: bytes = b""
 
     @property
     def format(self) -> str:
@@ -56,7 +60,11 @@ class SourceFile:
     @property
     def remarks(self) -> tuple[str, ...]:
         """Return what the user should know of how the file was read."""
-        return (() if self.archive is None else (self.archive.remark,)) + self.document.remarks
+        outer: tuple[str, ...] = () if self.archive is None else (self.archive.remark,)
+        if self.tail:
+            count = amount(len(self.tail), "byte follows", "bytes follow")
+            outer += (f"{count} the gzip data, and {'is' if len(self.tail) == 1 else 'are'} kept",)
+        return outer + self.document.remarks
 
     @property
     def faces(self) -> IntArray:
@@ -84,7 +92,7 @@ class SourceFile:
             return files
         main = files.pop(inner)
         unchanged = self.packed is not None and main == self.plain
-        return {name: self.packed if unchanged and self.packed else gzipped(main), **files}
+        return {name: self.packed if unchanged and self.packed else gzipped(main) + self.tail, **files}
 
     def left_behind(self, name: str) -> tuple[str, ...]:
         """Return what of the archive a file of this name does not hold."""
@@ -142,12 +150,15 @@ def read_mesh(path: str | Path) -> Mesh:
     path = Path(path)
     raw = _read_bytes(path)
     try:
-        plain = _unpacked(raw) if raw.startswith(_GZIP_MAGIC) else raw
-        packed, archive = plain is not raw, _archive(plain, path)
+        packed = raw.startswith(_GZIP_MAGIC)
+        plain, tail = _unpacked(raw) if packed else (raw, b"")
+        archive = _archive(plain, path)
+        if packed and archive is not None:
+            raise InputError(f"{path} is a gzipped zip archive, expected one that is not gzipped")
         # Files that a model in an archive refers to are not beside the archive.
         place, content = (path, plain) if archive is None else (path / archive.name, archive.content)
         document = detect_format(content, place).parse(content, place)
-        source = SourceFile(path, document, raw if packed else None, plain if packed else None, archive)
+        source = SourceFile(path, document, raw if packed else None, plain if packed else None, archive, tail)
         return Mesh(document.vertices, document.faces, source)
     except (MemoryError, RecursionError):
         raise InputError(f"{path} is too large or too deeply nested to be read") from None
@@ -176,17 +187,24 @@ def _read_bytes(path: Path) -> bytes:
     return raw
 
 
-def _unpacked(raw: bytes) -> bytes:
+def _unpacked(raw: bytes) -> tuple[bytes, bytes]:
+    """Return what is in a gzipped file, and the bytes behind it that are not gzip data."""
     limit = min(max(_ALWAYS_ALLOWED, _MAX_GROWTH * len(raw)), _MAX_BYTES)
-    try:
-        with GzipFile(fileobj=io.BytesIO(raw)) as packed:
-            plain = packed.read(limit + 1)
-    except (BadGzipFile, EOFError, zlib.error) as error:
-        raise FormatError(f"the gzip data is damaged ({error})") from None
-    if len(plain) > limit:
-        raise FormatError(
-            f"the gzip data unpacks to more than {limit >> 20} MB, which no model of its size does"
-        )
-    if not plain:
+    pieces, left, size = list[bytes](), raw, 0
+    while left.startswith(_GZIP_MAGIC):
+        member = zlib.decompressobj(_GZIP_WINDOW)
+        try:
+            pieces.append(member.decompress(left, limit - size + 1))
+        except zlib.error as error:
+            raise FormatError(f"the gzip data is damaged ({error})") from None
+        size += len(pieces[-1])
+        if size > limit:
+            raise FormatError(
+                f"the gzip data unpacks to more than {limit >> 20} MB, which no model of its size does"
+            )
+        if not member.eof:
+            raise FormatError("the gzip data is damaged (it ends before its end mark)")
+        left = member.unused_data
+    if not size:
         raise FormatError("the gzip data is empty, expected a model file")
-    return plain
+    return b"".join(pieces), left
