@@ -83,9 +83,8 @@ def test_what_is_written_is_what_conform_says(name: str, vertices: list[tuple[fl
     assert text.patch(conformed) == written
     diagonal = np.linalg.norm(np.ptp(conformed, axis=0))
     rounding = np.abs(moved).max() * 2e-16
-    assert (
-        np.abs(conformed - moved).max() <= 0.51e-7 * diagonal + rounding or np.ptp(moved, axis=0).max() == 0
-    )
+    # Where the whole extent is below the precision of a double, nothing of it is left to be resolved.
+    assert np.abs(conformed - moved).max() <= 0.51e-7 * diagonal + rounding or diagonal == 0
 
 
 @pytest.mark.parametrize("name", STYLES)

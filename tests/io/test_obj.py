@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from meshmark.errors import FormatError
+from meshmark.io import read_mesh, write_mesh
 from meshmark.io.obj import parse_obj
 from tests.io.text_samples import SAMPLES
 
@@ -57,10 +58,13 @@ def test_rich_file() -> None:
         (POINTS + b"f 1 2 3.0\n", "line 5 has '3.0'"),
         (POINTS + b"f 1 2 /3\n", "line 5 has ''"),
         (POINTS + b"f 1/1/1/1 2 3\n", "expected up to three indices"),
-        (POINTS + b"f\n", "line 5: a face without corners"),
+        (POINTS + b"f\nf  # none\n", "no faces"),
         (POINTS + b"v 1 2\nf 1 2 3\n", "line 5: 'v' has 2 numbers, expected 3"),
         (POINTS + b"v 1 two 3\nf 1 2 3\n", "line 5 has 'two' where a number is expected"),
-        (POINTS + b"v 1 inf 3\nf 1 2 3\n", "line 5 has 'inf' where a finite number is expected"),
+        (POINTS + b"v 1 inf 3\nf 1 2 5\n", "line 5 has 'inf' where a finite number is expected"),
+        (POINTS + b"v 1 2 1.#IND\nf 1 2 5\n", "line 5 has '1.#IND' where a finite number is expected"),
+        (b"v nan 0 0\n" * 3 + b"f 1 2 3\n", "line 1 has 'nan' where a finite number is expected"),
+        (POINTS + b"v 1 2 1.#I\nf 1 2 3\n", "line 5 has '1.#I' where a number is expected"),
         (POINTS + b"f 1 \\\n2 \\\n7\n", "line 7 has the corner '7'"),
         (b"\xff\xfev\0", "UTF-16"),
     ],
@@ -120,3 +124,46 @@ def test_material_files_are_found_but_only_inside_the_folder(tmp_path: Path) -> 
     data = b"mtllib with space.mtl\nmtllib ../secret.mtl\nmtllib /etc/passwd\nmtllib link.mtl\nmtllib\n"
     document = parse(data + POINTS + b"f 1 2 3\n", home / "model.obj")
     assert document.side_files() == (home / "with space.mtl", home / "maps" / "skin.png")
+
+
+def test_what_is_not_finite_stays_where_no_face_uses_it() -> None:
+    """The vertices that are left out are left out of the attributes too, with and without seams."""
+    data = (
+        b"v 0 0 0 1 0 0\nv nan 0 0 0 1 0\nv 1 0 0 0 0 1\nv 0 1 0 1 1 0\nv 0 0 1 0 1 1\n"
+        b"vt nan 0\nvt 1 inf\nvt 0 1\nvn nan nan nan\n"
+    )
+    for faces, points in ((b"f 1/1/1 3/2/1 4/3/1\nf 1/2/1 4/3/1 5/1/1\n", 5), (b"f 1/1/1 3/2/1 4/3/1\n", 4)):
+        document = parse(data + faces)
+        assert document.remarks == ("1 vertex without finite coordinates, used by no face, stays as it is",)
+        found = document.attributes()
+        owners, corners = (np.arange(4), document.faces) if found.seams is None else found.seams
+        assert len(owners) == points
+        np.testing.assert_array_equal(owners[corners], document.faces)
+        assert found.texcoords is not None
+        assert found.normals is not None
+        assert found.colors is not None
+        table = np.array([[np.nan, 0], [1, np.inf], [0, 1]])
+        np.testing.assert_array_equal(found.texcoords[corners[0]], table)
+        assert np.isnan(found.normals[corners[0]]).all()
+        assert len(found.colors) == points
+        assert found.colors[corners[0]][:, :3].tolist() == [[255, 0, 0], [0, 0, 255], [255, 255, 0]]
+
+
+@pytest.mark.parametrize("suffix", [".stl", ".3mf", ".off", ".ply", ".obj", ".glb", ".gltf"])
+def test_a_conversion_drops_or_keeps_what_is_not_finite(suffix: str, tmp_path: Path) -> None:
+    more = b"vt nan 1\nvt 0 inf\nvn 1.#IND 0 0\nf 1/1/1 2/2/1 3/1/1\nf 1/1/1 3/2/1 4/1/1\n"
+    (tmp_path / "a.obj").write_bytes(POINTS + more)
+    mesh = read_mesh(tmp_path / "a.obj")
+    report = write_mesh(mesh, tmp_path / f"b{suffix}")
+    again = read_mesh(tmp_path / f"b{suffix}")
+    np.testing.assert_allclose(again.vertices[again.faces], mesh.vertices[mesh.faces])
+    assert again.document is not None
+    if suffix in (".off", ".ply", ".obj"):
+        texcoords = again.document.attributes().texcoords
+        assert texcoords is not None
+        assert not np.isfinite(texcoords).all()
+    elif suffix in (".glb", ".gltf"):
+        assert "texture coordinates, as some are not finite numbers" in report.dropped
+        assert "normals, as some have no direction" in report.dropped
+    else:
+        assert {"texture coordinates", "normals"} <= set(report.dropped)

@@ -61,8 +61,10 @@ def test_variants_carry_their_columns() -> None:
         (b"OFF\n-4 4 0\n", "declares -4 vertices"),
         (b"OFF\n4 0 0\n" + POINTS, "declares 0 faces, expected a surface"),
         (b"OFF\n4000000000 4000000000 0\n" + POINTS, "only 12 numbers follow"),
-        (b"OFF\n4 4 0\n" + POINTS + b"3 0 1 2\n", "is not complete"),
-        (b"OFF\n4 4 0\n" + POINTS + FACES + b"3 0 1 2\n", "line 11: more follows the 4 faces"),
+        (b"OFF\n4 4 0\n" + POINTS + b"3 0 1 2\n3 0 1", "is not complete"),
+        (b"OFF\n4 4 0\n" + POINTS + b"3 0 1 2\n3 0 2 1", "is not complete"),
+        (b"OFF\n4 4 0\n" + POINTS + b"1 1 1\n" + FACES, "line 11: more follows the 4 faces"),
+        (b"OFF 4 4 0 " + POINTS.replace(b"\n", b" ") + b"3 0 1 x 3 1 2 3", "has 'x' where a whole number"),
         (b"OFF\n4 4 0\n" + POINTS.replace(b"1 0 0", b"1 x 0") + FACES, "line 4 has 'x' where a number"),
         (b"OFF\n4 4 0\n" + POINTS.replace(b"1 0 0", b"1 nan 0") + FACES, "line 4 has 'nan' where a finite"),
         (

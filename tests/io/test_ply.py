@@ -120,6 +120,8 @@ def test_strips_are_decoded() -> None:
 
 HEAD = b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
 FACE = b"element face 1\nproperty list uchar int vertex_indices\n"
+EDGE = b"element edge 1\nproperty int vertex1\nproperty int vertex2\n"
+VERTICES_LAST = HEAD.replace(b"element", FACE + b"element") + b"end_header\n3 0 1 2\n0 0 0\n1 0 0\n0 1 0\n"
 BODY = b"end_header\n0 0 0\n1 0 0\n0 1 0\n"
 
 
@@ -154,13 +156,18 @@ BODY = b"end_header\n0 0 0\n1 0 0\n0 1 0\n"
         (HEAD + FACE.replace(b"vertex_indices", b"corners") + BODY + b"3 0 1 2\n", "no faces"),
         (HEAD + FACE + BODY, "the data end before a list"),
         (HEAD + FACE + BODY + b"3 0 1\n", "the data end within the 1 rows of 'face'"),
-        (HEAD + FACE + BODY + b"3 0 1 2 3\n", "1 numbers follow"),
+        (VERTICES_LAST + b"1 1 1\n", "declares 3 vertices, but behind them stands what may be further ones"),
         (HEAD + FACE + BODY + b"3 0 1 3\n", "refers to vertex 3"),
         (HEAD + FACE + BODY + b"-3 0 1 2\n", "declares -3 members"),
         (HEAD + FACE + BODY + b"3 0 1 x\n", "has 'x' where a whole number is expected"),
         (HEAD + FACE + BODY + b"three 0 1 2\n", "'three' where a list length is expected"),
         (HEAD + FACE.replace(b"int vertex", b"float vertex") + BODY + b"3 0 1 2\n", "expected whole ones"),
         (HEAD + FACE + BODY.replace(b"1 0 0", b"1 nan 0") + b"3 0 1 2\n", "line 11 has 'nan'"),
+        (HEAD + FACE.replace(b"face 1", b"face 2") + BODY + b"3 0 1 2", "the data end before a list"),
+        (
+            HEAD + FACE.replace(b"face 1", b"face 2") + EDGE + BODY + b"3 0 1 2\n",
+            "the data end before a list",
+        ),
         (HEAD + FACE + BODY.replace(b"1 0 0", b"1 x 0") + b"3 0 1 2\n", "line 11 has 'x'"),
         (b"\xff\xfep\0", "does not start"),
     ],
@@ -172,14 +179,40 @@ def test_what_breaks_the_format_is_refused_in_one_sentence(data: bytes, says: st
     assert "\n" not in str(caught.value)
 
 
-def test_truncated_binary_is_refused_at_every_length() -> None:
-    for lists, polygons in ((False, False), (True, True)):
-        data, _ = binary_ply("<", ("float",) * 3, lists=lists, polygons=polygons)
+def test_binary_data_may_end_between_faces_only() -> None:
+    for polygons, sizes in ((False, (3, 3, 3, 3)), (True, (4, 3))):
+        data, _ = binary_ply("<", ("float",) * 3, lists=polygons, polygons=polygons)
+        between = {len(data) - sum(2 + 4 * size for size in sizes[k:]) for k in range(1, len(sizes))}
         for size in range(len(data)):
-            with pytest.raises(FormatError):
-                parse(data[:size])
-        with pytest.raises(FormatError, match="1 bytes follow"):
-            parse(data + b"\0")
+            if size in between:
+                assert "rows of 'face'" in parse(data[:size]).remarks[0]
+            else:
+                with pytest.raises(FormatError):
+                    parse(data[:size])
+
+
+@pytest.mark.parametrize("order", ["<", ">"])
+def test_surplus_bytes_are_kept_and_remarked_on(order: str) -> None:
+    data, offsets = binary_ply(order, ("float",) * 3)
+    for tail, says in ((b"\n", "1 byte follows"), (b"\0" * 700 + b"signature", "709 bytes follow")):
+        document = parse(data + tail)
+        assert document.remarks[0].startswith(says)
+        assert document.patched(document.vertices, "a") == {"a": data + tail}
+        written = document.patched(document.vertices + 0.5, "a")["a"]
+        for place in np.flatnonzero(np.frombuffer(written, "u1") != np.frombuffer(data + tail, "u1")):
+            assert any(offset <= place < offset + 4 for offset in offsets)
+        assert written.endswith(tail)
+    assert parse(data).remarks == ()
+
+
+def test_whole_numbers_of_64_bits() -> None:
+    header = HEAD.replace(b"ascii", b"binary_little_endian") + FACE.replace(b"uchar int", b"uint64 int64")
+    positions = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], "<f4").tobytes()
+    data = header + b"end_header\n" + positions + struct.pack("<4q", 3, 0, 1, 2)
+    assert parse(data).faces.tolist() == [[0, 1, 2]]
+    for corner in (2**40, -1):
+        with pytest.raises(FormatError, match="refers to vertex"):
+            parse(data[:-8] + struct.pack("<q", corner))
 
 
 def test_binary_not_finite() -> None:
@@ -188,3 +221,30 @@ def test_binary_not_finite() -> None:
     struct.pack_into("<f", broken, offsets[5], float("inf"))
     with pytest.raises(FormatError, match="vertex 1 has a coordinate that is not a finite number"):
         parse(bytes(broken))
+
+
+@pytest.mark.parametrize("order", ["<", ">"])
+def test_a_vertex_that_no_face_uses_need_not_be_finite(order: str) -> None:
+    header = HEAD.replace(b"vertex 3", b"vertex 5") + b"property float nx\n" + FACE + b"end_header\n"
+    header = header.replace(b"ascii", b"binary_little_endian" if order == "<" else b"binary_big_endian")
+    rows = np.array([[0, 0, 0, 5], [np.nan, 1, 2, 6], [1, 0, 0, 7], [0, 1, 0, np.nan], [1, 1, np.inf, 9]])
+    data = header + rows.astype(f"{order}f4").tobytes() + struct.pack(f"{order}B3i", 3, 0, 2, 3)
+    document = parse(data)
+    assert document.vertices.tolist() == [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
+    assert document.faces.tolist() == [[0, 1, 2]]
+    assert document.remarks == ("2 vertices without finite coordinates, used by no face, stay as they are",)
+    assert document.patched(document.vertices, "a") == {"a": data}
+    written = document.patched(document.vertices + 0.5, "a")["a"]
+    rows[[0, 2, 3], :3] += 0.5
+    assert written == header + rows.astype(f"{order}f4").tobytes() + data[-13:]
+    with pytest.raises(FormatError, match="vertex 1 has a coordinate that is not a finite number"):
+        parse(data[:-4] + struct.pack(f"{order}i", 1))
+
+
+@pytest.mark.parametrize("order", ["ascii", "binary_little_endian", "binary_big_endian"])
+def test_faces_without_corners_alone_are_no_surface(order: str) -> None:
+    binary = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], "<f4" if "little" in order else ">f4").tobytes()
+    rows = BODY[len(b"end_header\n") :] + b"0\n0\n" if order == "ascii" else binary + bytes(2)
+    header = HEAD.replace(b"ascii", order.encode()) + FACE.replace(b"face 1", b"face 2") + b"end_header\n"
+    with pytest.raises(FormatError, match="no faces"):
+        parse(header + rows)

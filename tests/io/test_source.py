@@ -74,6 +74,22 @@ def test_gzip_of_several_members(tmp_path: Path) -> None:
     assert len(read_mesh(tmp_path / "model.off.gz").vertices) == 4
 
 
+@pytest.mark.parametrize("tail", [b"\n", bytes(512), b"signature"])
+def test_bytes_behind_the_gzip_data_are_kept(tmp_path: Path, tail: bytes) -> None:
+    path, out = tmp_path / "model.off.gz", tmp_path / "out.off.gz"
+    path.write_bytes(gzip.compress(OFF, mtime=12345) + tail)
+    mesh = read_mesh(path)
+    assert mesh.document is not None
+    assert mesh.document.remarks[0].startswith(f"{len(tail)} byte")
+    write_mesh(mesh, out)
+    assert out.read_bytes() == path.read_bytes()
+    write_mesh(mesh.with_vertices(mesh.vertices * 2), out)
+    assert out.read_bytes().endswith(tail)
+    np.testing.assert_array_equal(read_mesh(out).vertices, mesh.vertices * 2)
+    write_mesh(mesh, tmp_path / "out.off")
+    assert (tmp_path / "out.off").read_bytes() == OFF
+
+
 @pytest.mark.parametrize(
     ("data", "says"),
     [

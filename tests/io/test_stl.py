@@ -94,16 +94,23 @@ def test_several_solids_and_broken_normals() -> None:
     ("data", "says"),
     [
         (b"", "has 0 bytes"),
-        (b"x" * 80, "has 80 bytes"),
+        (b"x" * 79 + b"\0", "has 80 bytes"),
+        (b"x" * 800, "text without a line 'solid'"),
+        (binary_stl() + binary_stl()[84:134], "declares 4 facets, but 50 bytes follow them that look like"),
+        (binary_stl()[:80] + bytes(4) + binary_stl()[84:] + b"x", "declares 0 facets"),
+        (binary_stl()[:80] + b"\x09\0\0\0" + binary_stl()[84:], "declares 9 facets"),
+        (binary_stl()[:80] + b"\5\0\0\0" + binary_stl()[84:] + b"x", "declares 5 facets"),
+        (
+            text().replace(b"solid test\n", b"facet normal 0 0 1\nsolid test\n", 1),
+            "where 'outer' is expected",
+        ),
         (binary_stl()[:-1], "declares 4 facets, so 284 bytes are expected, but the file has 283"),
-        (binary_stl() + b"\0", "but the file has 285"),
         (b"x" * 80 + bytes(4), "no faces"),
         (
             binary_stl().replace(struct.pack("<f", 5), struct.pack("<f", float("nan")), 1),
             "facet 3 has a coordinate",
         ),
         (b"solid x\nendsolid x\n", "no facets"),
-        (text().replace(b"endsolid", b""), "without a line 'endsolid'"),
         (text().replace(b"endloop\n", b"", 1), "line 7 has 'endfacet' where 'endloop' is expected"),
         (text().replace(b"vertex 5.000000e+00", b"vertex five", 1), "line 25 has 'five' where a number"),
         (text().replace(b"vertex 5.000000e+00", b"vertex inf", 1), "line 25 has 'inf' where a finite number"),
@@ -128,3 +135,33 @@ def test_new_positions_must_fit() -> None:
         document.conform(document.vertices + 1e39)
     with pytest.raises(InputError, match="shape"):
         document.patched(document.vertices[:3], "a")
+
+
+@pytest.mark.parametrize(
+    "tail", [b"\0", b"\n", bytes(512), b"SIGNED" * 30, struct.pack("<12fH", *[7e30] * 12, 0)]
+)
+def test_bytes_behind_the_facets_are_kept_and_remarked_on(tail: bytes) -> None:
+    document = parse(binary_stl() + tail)
+    assert document.vertices.tolist() == CORNERS.reshape(-1, 3).tolist()
+    verb = "byte follows" if len(tail) == 1 else "bytes follow"
+    assert document.remarks[0].startswith(f"{len(tail)} {verb} the data that the header declares")
+    assert document.patched(document.vertices, "a") == {"a": binary_stl() + tail}
+    moved = document.vertices + 0.25
+    plain = parse(binary_stl())
+    assert document.patched(moved, "a")["a"] == plain.patched(moved, "a")["a"] + tail
+
+
+@pytest.mark.parametrize("count", [0, 0xFFFFFFFF, 5, 8])
+def test_a_count_beyond_what_is_there_stays(count: int) -> None:
+    data = binary_stl()[:80] + struct.pack("<I", count) + binary_stl()[84:]
+    document = parse(data)
+    assert document.vertices.tolist() == CORNERS.reshape(-1, 3).tolist()
+    assert document.remarks == (f"the header declares {count:,} facets, 4 facets are there",)
+    moved = document.vertices + 0.25
+    written = document.patched(moved, "a")["a"]
+    assert written == data[:84] + parse(binary_stl()).patched(moved, "a")["a"][84:]
+
+
+def test_a_text_that_ends_early_is_remarked_on() -> None:
+    assert parse(SAMPLES["stl without endsolid"].data).remarks == ("the file ends without a line 'endsolid'",)
+    assert parse(text()).remarks == ()

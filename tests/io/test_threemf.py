@@ -237,3 +237,91 @@ def read_or_refuse(data: bytes) -> None:
 def check_sentence(message: str) -> None:
     assert message
     assert "\n" not in message
+
+
+@pytest.mark.parametrize("encoding", ["utf-16", "utf-16-le", "utf-16-be"])
+@pytest.mark.parametrize("name", ["simple", "single quotes", "parts"])
+def test_utf16_stays_utf16(name: str, encoding: str) -> None:
+    main, others = MODELS[name]
+    main = main.replace("UTF-8", "UTF-16").replace("<model ", '<model note="\u00fc \U0001f600" ')
+    wide = {part: text.encode(encoding) for part, text in {**others, "3D/Main.model": main}.items()}
+    data = package(main, others)
+    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+        members = [(item, wide.get(item.filename, archive.read(item))) for item in archive.infolist()]
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w") as archive:
+        for item, content in members:
+            archive.writestr(item, content)
+    document, plain = parse_3mf(packed.getvalue(), HERE), parse_3mf(data, HERE)
+    assert document.patched(document.vertices, "a")["a"] == packed.getvalue()
+    assert document.vertices.tobytes() == plain.vertices.tobytes()
+    written = parts(document.patched(moved(document), "a")["a"])
+    expected = parts(plain.patched(moved(plain), "a")["a"])
+    for part in expected:
+        assert written[part] == (expected[part].decode().encode(encoding) if part in wide else expected[part])
+
+
+def test_broken_utf16_is_named() -> None:
+    for content, says in (
+        (b"\xff\xfe<\0\0", "UTF-16"),
+        (b"\xff\xfe\0\xd8<\0", "UTF-16"),
+        (b"<?\0x", "UTF-8"),
+    ):
+        with pytest.raises(FormatError, match=says):
+            open_model("m", content)
+
+
+@pytest.mark.parametrize(
+    "method", [zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED, zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA]
+)
+@pytest.mark.parametrize("marked", [True, False])
+def test_every_way_of_packing_is_written_back(method: int, marked: bool) -> None:
+    data = bytearray(package(*MODELS["parts"], method=method))
+    if not marked:  # LZMA data need not end with a mark where the sizes are known
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            for item in archive.infolist():
+                data[item.header_offset + 6] &= ~2
+        for place in [found.start() for found in re.finditer(b"PK\1\2", data)]:
+            data[place + 8] &= ~2
+    document = parse_3mf(bytes(data), HERE)
+    written = document.patched(moved(document), "a.3mf")["a.3mf"]
+    with zipfile.ZipFile(io.BytesIO(bytes(data))) as old, zipfile.ZipFile(io.BytesIO(written)) as new:
+        assert [i.compress_type for i in old.infolist()] == [i.compress_type for i in new.infolist()]
+        changed = [name for name in old.namelist() if old.read(name) != new.read(name)]
+        assert changed
+        assert all(name.endswith(".model") for name in changed)
+    assert parse_3mf(written, HERE).vertices.tobytes() == document.conform(moved(document)).tobytes()
+
+
+def test_part_names_with_escapes_and_backslashes_are_found() -> None:
+    rels = RELS.replace("Main.model", "My%20Main.model")
+    for name in ("3D/My Main.model", "3D/My%20Main.model", "3D\\My Main.model"):
+        packed = io.BytesIO()
+        with zipfile.ZipFile(packed, "w") as archive:
+            archive.writestr("_rels/.rels", rels)
+            item = zipfile.ZipInfo("x")
+            item.filename = name
+            archive.writestr(item, simple())
+        document = parse_3mf(packed.getvalue(), HERE)
+        written = document.patched(moved(document), "a")["a"]
+        assert list(parts(written)) == ["_rels/.rels", name]
+        assert parse_3mf(written, HERE).vertices.tobytes() == document.conform(moved(document)).tobytes()
+
+
+@pytest.mark.parametrize("ending", ["\n", "\r\n", "\r"])
+def test_errors_name_the_line_of_the_file(ending: str) -> None:
+    text = simple().replace("\n", ending)
+    for place in ("</vertices>", "</mesh>", "</model>"):
+        broken = text.replace(place, f"{ending}<x:y/>{place}")
+        line = len(broken[: broken.index("<x:y/>")].split(ending))
+        assert f" line {line}: unbound prefix" in refusal(broken)
+
+
+def refusal(main: str) -> str:
+    with pytest.raises(FormatError) as caught:
+        parse_3mf(package(main), HERE)
+    return str(caught.value)
+
+
+def test_encrypted_content_is_named() -> None:
+    assert "3D/Main.model is encrypted (3MF secure content)" in refusal("%3McF" + "\1\2\3" * 50)

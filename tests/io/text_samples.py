@@ -72,6 +72,13 @@ unknown v 1 2 3\r
 \r
 """
 
+PLY = (
+    "ply\nformat ascii 1.0\ncomment v 1 2 3\nobj_info made by hand\nelement vertex 4\nproperty float x\n"
+    "property float y\nproperty float z\nelement face 4\nproperty list uchar int vertex_indices\nend_header\n"
+)
+FACET = "facet normal {}\nouter loop\n" + "vertex @ @ @\n" * 3 + "endloop\nendfacet\n"
+STL = "solid of two facets\n" + FACET.format("-1.#IND 1.#IND 1.#QNAN") + FACET.format("0 0 1") + "endsolid\n"
+
 SAMPLES = {
     "off": Sample(".off", "OFF\n4 4 6\n" + V * 4 + F),
     "off on one line": Sample(".off", "OFF 4 4 0 " + "@ @ @ " * 4 + F.replace("\n", "  ")),
@@ -98,10 +105,7 @@ SAMPLES = {
     "obj polygon": Sample(".obj", "v @ @ @\n" * 4 + "f 1 2 3 4\nf 4// 3// 2//\n", faces=3),
     "ply": Sample(
         ".ply",
-        "ply\nformat ascii 1.0\ncomment v 1 2 3\nobj_info made by hand\nelement vertex 4\nproperty float x\n"
-        "property float y\nproperty float z\nelement face 4\nproperty list uchar int vertex_indices\nend_header\n"
-        + V * 4
-        + F,
+        PLY + V * 4 + F,
     ),
     "ply mixed up": Sample(
         ".ply",
@@ -123,6 +127,43 @@ SAMPLES = {
         + V * 4
         + "9 0 1 2 3 -1 3 2 1 -1\n",
         faces=3,
+    ),
+    "obj with what is not finite and a face without corners": Sample(
+        ".obj",
+        "v @ @ @\nv nan -nan(ind) 1.#QNAN\nv @ @ @\nv inf 0 0 # gone\nvt nan 1.#INF\nvn 1.#IND 0 -1.#IND00\n"
+        "v @ @ @\nv @ @ @\nf 1/1/1 5/1/1 3/1/1\nf\nf 1 3 6\nf -1 -2 -6\nf  # none\nf 3 5 6\nf 2 4\n",
+    ),
+    "off with a vertex that is not finite": Sample(
+        ".off", "OFF\n5 4 0\n" + V * 2 + "nan inf 0\n" + V * 2 + "3 0 3 1\n3 0 1 4\n3 0 4 3\n3 1 3 4\n"
+    ),
+    "off with more than it declares": Sample(
+        ".off", "OFF\n4 4 0\n" + V * 4 + F + "2 0 1\n and notes, 3 of them\n"
+    ),
+    "off on one line with more than it declares": Sample(
+        ".off", "OFF 4 4 0 " + "@ @ @ " * 4 + F.replace("\n", "  ") + "3 0 1 the end"
+    ),
+    "off one face short": Sample(".off", "OFF\n4 5 0\n" + V * 4 + F),
+    "ply with more than it declares": Sample(".ply", PLY + V * 4 + F + "\n\n1 2 see you\n"),
+    "ply one face short": Sample(".ply", PLY.replace("face 4", "face 5") + V * 4 + F),
+    "ply with a vertex that is not finite": Sample(
+        ".ply",
+        PLY.replace("vertex 4", "vertex 5") + "nan 0 -inf\n" + V * 4 + "3 1 3 2\n3 1 2 4\n3 1 4 3\n3 2 3 4\n",
+    ),
+    "ply int64": Sample(".ply", PLY.replace("uchar int", "uint64 int64") + V * 4 + F),
+    "stl with comments first": Sample(
+        ".stl",
+        "# made by hand\n\n; and more\n" + STL + "# the end\n",
+        numbers=(*TETRA, *TETRA[:6]),
+        faces=2,
+    ),
+    "stl without endsolid": Sample(
+        ".stl", STL.replace("endsolid\n", ""), numbers=(*TETRA, *TETRA[:6]), faces=2
+    ),
+    "stl with split words": Sample(
+        ".stl",
+        STL.replace("end", "end ").replace("end  loop", "end\tloop"),
+        numbers=(*TETRA, *TETRA[:6]),
+        faces=2,
     ),
     "stl": Sample(
         ".stl",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from meshmark.cli.options import AsJson, ModelIn
-from meshmark.cli.output import answer
+from meshmark.cli.output import answer, say
 from meshmark.cli.paths import naming
 
 __all__ = ["info"]
@@ -21,12 +21,16 @@ def info(model: ModelIn, as_json: AsJson = False) -> int:
     mesh = read_mesh(model)
     from meshmark.metrics.shape import describe
 
-    held = {} if mesh.document is None else {"format": mesh.document.format, **mesh.document.summary()}
+    document = mesh.document
+    held = {} if document is None else {"format": document.format, **document.summary()}
+    remarks = () if document is None else document.remarks
     with naming(model):
         fields = {**held, **describe(mesh).to_dict()}
+    for remark in remarks:
+        say(f"meshmark: {model}: {remark}")
     width = max(map(len, fields)) + 2
     rows = (f"{name.replace('_', ' '):<{width}}{_shown(value)}" for name, value in fields.items())
-    answer("\n".join(rows), fields, as_json)
+    answer("\n".join(rows), {**fields, "remarks": remarks}, as_json)
     return 0
 
 

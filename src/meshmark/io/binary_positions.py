@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from meshmark.errors import FormatError, InputError
+from meshmark.io.gaps import Gaps
 from meshmark.io.ply_data import BinaryData, Type, strided
 from meshmark.mesh import FloatArray, IntArray
 
@@ -22,12 +23,14 @@ class BinaryPositions:
     data:   the file.
     places: for x, y and z the (n,) ascending byte offsets; types: their types with byte order.
     values: (n, 3) what they say.
+    gaps:   rows of the file that are left out, None where there are none.
     """
 
     data: bytes
     places: tuple[IntArray, ...]
     types: tuple[Type, ...]
     values: FloatArray
+    gaps: Gaps | None = None
 
     def conform(self, vertices: FloatArray) -> FloatArray:
         """Return the (n, 3) positions that the file would hold for these.
@@ -66,15 +69,26 @@ def put_values(out: bytearray, places: IntArray, dtype: Type, values: FloatArray
 
 
 def binary_positions(data: bytes, places: Sequence[IntArray], types: Sequence[Type]) -> BinaryPositions:
-    """Read coordinates at these byte offsets. Raises `FormatError` where one is not finite."""
+    """Read coordinates at these byte offsets; rows that are not finite are left out.
+
+    Raises `FormatError` where all are.
+    """
     source = BinaryData(data, 0, len(data))
     values = np.empty((len(places[0]), 3))
     for axis in range(3):
         values[:, axis] = source.values(places[axis], types[axis])
-    finite = np.isfinite(values).all(axis=1)
-    if not finite.all():
-        raise FormatError(f"vertex {int(np.argmin(finite))} has a coordinate that is not a finite number")
-    return BinaryPositions(data, tuple(places), tuple(types), values)
+    finite = np.asarray(np.isfinite(values).all(axis=1))
+    if finite.all():
+        return BinaryPositions(data, tuple(places), tuple(types), values)
+    gaps = Gaps(np.flatnonzero(finite), len(finite), _not_finite)
+    if not finite.any():
+        raise FormatError(_not_finite(0))
+    kept = tuple(column[finite] for column in places)
+    return BinaryPositions(data, kept, tuple(types), values[finite], gaps)
+
+
+def _not_finite(row: int) -> str:
+    return f"vertex {row} has a coordinate that is not a finite number"
 
 
 def round_to_type(column: FloatArray, dtype: Type) -> FloatArray:

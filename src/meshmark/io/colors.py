@@ -7,7 +7,10 @@ from numpy.typing import NDArray
 
 from meshmark.mesh import FloatArray
 
-__all__ = ["rgba"]
+__all__ = ["ODD_COLORS", "rgba"]
+
+# How a report names colours that are lost because they are no colours.
+ODD_COLORS = "vertex colours, some of which are not finite numbers"
 
 
 def rgba(numbers: FloatArray, unit: bool | None = None) -> NDArray[np.uint8]:

@@ -33,6 +33,10 @@ class _Derived:
     def format(self) -> str:
         return self.base.format
 
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        return self.base.remarks
+
     def conform(self, vertices: FloatArray) -> FloatArray:
         return vertices.copy()
 

@@ -42,8 +42,10 @@ class Document(Protocol):
 
     format:     a key of `meshmark.io.FORMATS`: "off", "obj", "ply", "stl", "glb", "gltf", "3mf".
     vertices:   (n, 3) float64, scene coordinates (node transforms, units and instances applied),
-                one row for each vertex the file stores (and for each instance of it), in file order.
+                one row for each vertex the file stores (and for each instance of it), in file order;
+                vertices that no face uses and whose coordinates are not finite are left out.
     faces:      (m, 3) int64, polygons triangulated, degenerate triangles kept.
+    remarks:    clauses such as "1 byte follows the data that the header declares, and is kept"; mostly none.
     """
 
     @property
@@ -54,6 +56,11 @@ class Document(Protocol):
     @property
     def vertices(self) -> FloatArray:
         """Return the (n, 3) positions read."""
+        ...
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Return sentences about what the user should know of how the file was read."""
         ...
 
     @property

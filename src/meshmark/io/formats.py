@@ -30,7 +30,7 @@ _PLY = re.compile(rb"ply[ \t]*[\r\n]")
 _OFF = re.compile(
     rb"(?:\xef\xbb\xbf)?(?:\s|#[^\r\n]*[\r\n])*(?:(?:ST)?C?N?4?n?OFF|(?:st)?c?n?off)(?![A-Za-z_])"
 )
-_SOLID = re.compile(rb"(?:\xef\xbb\xbf)?\s*solid\b", re.IGNORECASE)
+_SOLID = re.compile(rb"(?:^|[\r\n])(?:\xef\xbb\xbf)?[ \t]*solid\b", re.IGNORECASE)
 _FACET = re.compile(rb"[\r\n][ \t]*(?:facet|endsolid)\b", re.IGNORECASE)
 _OBJ = re.compile(rb"(?:^|[\r\n])[ \t]*v[ \t]+[-+.0-9]")
 _JSON = re.compile(rb"(?:\xef\xbb\xbf)?\s*\{")
@@ -67,7 +67,7 @@ def _looks_like_obj(head: bytes, _size: int) -> bool:
 def _looks_like_stl(head: bytes, size: int) -> bool:
     # A binary STL has no magic: its length must agree with its count of 50-byte facets.
     facets = int.from_bytes(head[80:84], "little") if size >= 84 else 0
-    text = _SOLID.match(head) is not None and _FACET.search(head) is not None
+    text = _FACET.search(head) is not None and _SOLID.search(head) is not None and b"\0" not in head
     return text or (facets > 0 and size == 84 + 50 * facets)
 
 

@@ -45,6 +45,7 @@ class GltfDocument:
     vertices: FloatArray
     faces: IntArray
     compressed: Container | None = None
+    remarks: tuple[str, ...] = ()
 
     @property
     def format(self) -> str:

@@ -97,8 +97,12 @@ def _built(
             table["NORMAL"] = writer.add(unit, _FLOAT, "VEC3")
     if attributes.texcoords is not None:
         # glTF counts v from the upper edge of the image.
-        flipped = (attributes.texcoords * [1, -1] + [0, 1]).astype("<f4")
-        table["TEXCOORD_0"] = writer.add(flipped, _FLOAT, "VEC2")
+        with np.errstate(over="ignore"):
+            flipped = (attributes.texcoords * [1, -1] + [0, 1]).astype("<f4")
+        if np.isfinite(flipped).all():
+            table["TEXCOORD_0"] = writer.add(flipped, _FLOAT, "VEC2")
+        else:
+            dropped.append("texture coordinates, as some are not finite numbers")
     if attributes.colors is not None:
         table["COLOR_0"] = writer.add(attributes.colors, _BYTE, "VEC4", normalized=True)
     # The highest number of each type is reserved, as a restart mark.

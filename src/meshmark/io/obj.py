@@ -5,16 +5,14 @@ from __future__ import annotations
 from functools import partial
 from pathlib import Path
 
-import numpy as np
-
 from meshmark.errors import FormatError
 from meshmark.io.obj_attributes import obj_attributes
 from meshmark.io.obj_lines import corner_indices, obj_lines
 from meshmark.io.obj_materials import material_files
 from meshmark.io.patch_document import PatchDocument, patch_document
 from meshmark.io.polygons import fan_corners
-from meshmark.io.text_numbers import line_number
 from meshmark.io.text_positions import text_positions
+from meshmark.io.wording import amount
 
 __all__ = ["parse_obj"]
 
@@ -26,10 +24,6 @@ def parse_obj(data: bytes, path: Path) -> PatchDocument:
     if not len(points):
         raise FormatError("the file has no 'v' lines, expected an OBJ file with vertices")
     positions = text_positions(data, *points.columns(0, 3, "v"))
-    if (polygons.counts < 1).any():
-        head = int(polygons.heads[np.argmax(polygons.counts < 1)])
-        where = line_number(polygons.text, head)
-        raise FormatError(f"line {where}: a face without corners, expected at least three")
     faces = corner_indices(polygons, 0, points)[fan_corners(polygons.counts)]
     facts = {
         "encoding": "text",
@@ -41,4 +35,11 @@ def parse_obj(data: bytes, path: Path) -> PatchDocument:
         "materials": lines.census[b"usemtl"],
     }
     references = material_files(lines.rows[b"mtllib"], path)
-    return patch_document("obj", positions, faces, partial(obj_attributes, data), facts, references)
+    hollow = int((polygons.counts < 1).sum())
+    remarks = (
+        (f"{amount(hollow, 'face', 'faces')} without corners: kept, and no part of the surface",)
+        if hollow
+        else ()
+    )
+    load = partial(obj_attributes, data)
+    return patch_document("obj", positions, faces, load, facts, references, remarks, positions.gaps)

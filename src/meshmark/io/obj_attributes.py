@@ -67,7 +67,7 @@ def _table(rows: Rows, width: int, name: str) -> FloatArray | None:
     # A texture coordinate may have one number only: its second is zero.
     single = width == 2 and bool((rows.counts == 1).all())
     starts, ends = rows.columns(0, 1 if single else width, name)
-    numbers = parse_floats(rows.text, starts.ravel(), ends.ravel()).reshape(len(rows), -1)
+    numbers = parse_floats(rows.text, starts.ravel(), ends.ravel(), finite=False).reshape(len(rows), -1)
     return np.pad(numbers, ((0, 0), (0, 1))) if single else numbers
 
 

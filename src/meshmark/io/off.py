@@ -5,24 +5,27 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from functools import partial
+from itertools import takewhile
 from pathlib import Path
 
 import numpy as np
 
 from meshmark.errors import FormatError
 from meshmark.geometry.groups import members
-from meshmark.io.colors import rgba
+from meshmark.io.colors import ODD_COLORS, rgba
 from meshmark.io.document import Attributes
 from meshmark.io.patch_document import PatchDocument, patch_document
 from meshmark.io.polygons import fan_corners
 from meshmark.io.text_numbers import parse_floats, parse_ints
 from meshmark.io.text_positions import text_positions
 from meshmark.io.text_tokens import Tokens, tokenise
+from meshmark.io.wording import amount, surplus
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["parse_off"]
 
 # [ST][C][N][4][n]OFF; all lower case is seen too. Some writers put the first count right behind it.
+_WHOLE = re.compile(r"[-+]?[0-9]{1,18}")
 _MAGIC = re.compile(r"(ST)?(C)?(N)?(4)?(n)?OFF(\d*)$")
 
 
@@ -55,12 +58,15 @@ def parse_off(data: bytes, _path: Path) -> PatchDocument:
     layout = _layout(tokens)
     chosen = layout.column(0, 3).reshape(-1, 3)
     positions = text_positions(data, tokens.starts[chosen], tokens.ends[chosen])
-    corners, sizes, colored = _faces(tokens, layout)
+    corners, sizes, colored, left = _faces(tokens, layout)
+    remarks = (surplus(left, "word", "words"),) if left else ()
+    if len(sizes) < layout.faces:
+        remarks = (f"the header declares {amount(layout.faces, 'face', 'faces')}, {len(sizes):,} are there",)
     faces = corners[fan_corners(sizes)]
     polygons = bool((sizes > 3).any())
     facts = {"encoding": "text", "variant": layout.magic, "polygons": polygons, "face_colors": colored}
     load = partial(_attributes, data, polygons, colored)
-    return patch_document("off", positions, faces, load, facts)
+    return patch_document("off", positions, faces, load, facts, remarks=remarks, gaps=positions.gaps)
 
 
 def _layout(tokens: Tokens) -> _Layout:
@@ -117,15 +123,25 @@ def _counts(tokens: Tokens, first: int) -> tuple[list[int], int]:
     return [int(count) for count in counts[:2]], end
 
 
-def _faces(tokens: Tokens, layout: _Layout) -> tuple[IntArray, IntArray, bool]:
-    """Return the flat corners, the corners per face, and whether faces have colours."""
+def _faces(tokens: Tokens, layout: _Layout) -> tuple[IntArray, IntArray, bool, int]:
+    """Return the flat corners, the corners per face, whether faces have colours, and the words that follow them."""
     begin = layout.first_face
     line = int(np.searchsorted(tokens.first, begin))
-    lines = tokens.first[line:]
-    if len(lines) == layout.faces and len(lines) and lines[0] == begin:
-        heads, room = lines, np.diff(lines, append=len(tokens.starts)) - 1
+    lines, end = tokens.first[line : line + layout.faces], len(tokens.starts)
+    if len(lines) == layout.faces and lines[0] == begin:
+        end = int(np.append(tokens.first, end)[line + layout.faces])
+        heads, room = lines, np.diff(lines, append=end) - 1
+        # A line may hold several faces: then these are not their heads.
+        if end < len(tokens.starts) and not _fits(tokens, heads, room):
+            heads, room, end = _stream(tokens, layout)
     else:
-        heads, room = _stream(tokens, layout)
+        try:
+            heads, room, end = _stream(tokens, layout)
+        except FormatError:
+            heads, room = lines, np.diff(lines, append=end) - 1
+            fewer = 0 < len(lines) < layout.faces and lines[0] == begin and tokens.closed
+            if not fewer or not _fits(tokens, heads, room):
+                raise
     sizes = parse_ints(tokens.text, tokens.starts[heads], tokens.ends[heads])
     bad = (sizes < 1) | (sizes > room)
     if bad.any():
@@ -133,6 +149,11 @@ def _faces(tokens: Tokens, layout: _Layout) -> tuple[IntArray, IntArray, bool]:
         raise FormatError(
             f"line {tokens.line(int(heads[row]))}: face {row} declares {sizes[row]} corners, "
             f"but {room[row]} numbers follow"
+        )
+    if end < len(tokens.starts) and (sizes < 3).any():
+        raise FormatError(
+            f"line {tokens.line(end)}: more follows the {layout.faces} faces declared, and among these are "
+            "some of fewer than 3 corners, which may be vertices that the header does not count"
         )
     group, place = members(sizes)
     chosen = heads[group] + 1 + place
@@ -144,26 +165,40 @@ def _faces(tokens: Tokens, layout: _Layout) -> tuple[IntArray, IntArray, bool]:
             f"line {tokens.line(int(chosen[where]))}: face {group[where]} refers to vertex {bad}, "
             f"expected 0 to {layout.vertices - 1}"
         )
-    return corners, sizes, bool((room > sizes).any())
+    return corners, sizes, bool((room > sizes).any()), len(tokens.starts) - end
 
 
-def _stream(tokens: Tokens, layout: _Layout) -> tuple[IntArray, IntArray]:
-    """Return the first token and the corners of each face where faces do not have a line each."""
+def _fits(tokens: Tokens, heads: IntArray, room: IntArray) -> bool:
+    """Return whether each of these tokens says how many corners follow it on its line, colours aside."""
+    try:
+        sizes = parse_ints(tokens.text, tokens.starts[heads], tokens.ends[heads])
+    except FormatError:
+        return False
+    return bool(((sizes >= 1) & (room >= sizes) & (room <= sizes + 4)).all())
+
+
+def _whole_numbers(tokens: Tokens, begin: int) -> tuple[list[int], FormatError | None]:
+    """Return the whole numbers from a token on, up to the first that is none, and the refusal of that one."""
+    try:
+        return parse_ints(tokens.text, tokens.starts[begin:], tokens.ends[begin:]).tolist(), None
+    except FormatError as error:
+        words = map(tokens.word, range(begin, len(tokens.starts)))
+        return [int(word) for word in takewhile(_WHOLE.fullmatch, words)], error
+
+
+def _stream(tokens: Tokens, layout: _Layout) -> tuple[IntArray, IntArray, int]:
+    """Return first token and corners of each face where faces do not have a line each, and the token after them."""
     begin, total = layout.first_face, len(tokens.starts)
-    numbers = parse_ints(tokens.text, tokens.starts[begin:], tokens.ends[begin:]).tolist()
+    numbers, broken = _whole_numbers(tokens, begin)
     heads, place = [], 0
     for row in range(layout.faces):
         if place >= len(numbers) or not 0 < numbers[place] < len(numbers) - place:
             where = f"line {tokens.line(min(begin + place, total - 1))}"
-            raise FormatError(f"{where}: face {row} of {layout.faces} is not complete")
+            raise broken or FormatError(f"{where}: face {row} of {layout.faces} is not complete")
         heads.append(place)
         place += numbers[place] + 1
-    if place != len(numbers):
-        raise FormatError(
-            f"line {tokens.line(begin + place)}: more follows the {layout.faces} faces declared"
-        )
     starts = np.array(heads, dtype=np.int64)
-    return starts + begin, np.diff(starts, append=place) - 1
+    return starts + begin, np.diff(starts, append=place) - 1, begin + place
 
 
 def _attributes(data: bytes, polygons: bool, colored: bool) -> Attributes:
@@ -172,13 +207,17 @@ def _attributes(data: bytes, polygons: bool, colored: bool) -> Attributes:
 
     def numbers(place: int, width: int) -> FloatArray:
         chosen = layout.column(place, width)
-        return parse_floats(tokens.text, tokens.starts[chosen], tokens.ends[chosen]).reshape(-1, width)
+        spans = tokens.starts[chosen], tokens.ends[chosen]
+        return parse_floats(tokens.text, *spans, finite=False).reshape(-1, width)
 
     after_normals = 3 + 3 * layout.normals
     other = ["polygons"] * polygons + ["face colours"] * colored
+    shades = numbers(after_normals, layout.colors) if layout.colors else None
+    if shades is not None and not np.isfinite(shades).all():
+        shades, other = None, [*other, ODD_COLORS]
     return Attributes(
         normals=numbers(3, 3) if layout.normals else None,
         texcoords=numbers(after_normals + layout.colors, 2) if layout.texcoords else None,
-        colors=rgba(numbers(after_normals, layout.colors)) if layout.colors else None,
+        colors=None if shades is None else rgba(shades),
         other=tuple(other),
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -11,6 +12,7 @@ import numpy as np
 
 from meshmark.errors import FormatError
 from meshmark.io.document import Attributes
+from meshmark.io.gaps import Gaps
 from meshmark.io.polygons import check_indices
 from meshmark.mesh import FloatArray, IntArray
 
@@ -51,6 +53,7 @@ class PatchDocument:
     load_attributes: Callable[[], Attributes]
     facts: Mapping[str, Any] = field(default_factory=dict)
     references: tuple[Path, ...] = ()
+    remarks: tuple[str, ...] = ()
 
     @property
     def vertices(self) -> FloatArray:
@@ -85,12 +88,18 @@ def patch_document(
     load_attributes: Callable[[], Attributes],
     facts: Mapping[str, Any],
     references: tuple[Path, ...] = (),
+    remarks: tuple[str, ...] = (),
+    gaps: Gaps | None = None,
 ) -> PatchDocument:
     """Check what was read, and return its document.
 
-    Raises `FormatError` where there is no face or a face refers to a vertex that is not there.
+    faces and attributes count the vertices of the file, and `gaps` are those of them that `positions` leaves out.
+    Raises `FormatError` where there is no face, or a face refers to a vertex that is not there or not finite.
     """
     if not len(faces):
         raise FormatError("the file has no faces, expected a surface (point clouds carry no mark)")
-    check_indices(faces, len(positions.values))
-    return PatchDocument(format, positions, faces, load_attributes, facts, references)
+    check_indices(faces, len(positions.values) if gaps is None else gaps.total)
+    if gaps is not None:
+        faces, remarks = gaps.faces(faces), (*remarks, gaps.remark)
+        load_attributes = partial(gaps.attributes, load_attributes)
+    return PatchDocument(format, positions, faces, load_attributes, facts, references, remarks)

@@ -9,14 +9,14 @@ import numpy as np
 
 from meshmark.errors import FormatError
 from meshmark.geometry.groups import members
-from meshmark.io.binary_positions import binary_positions
-from meshmark.io.patch_document import PatchDocument, Positions, patch_document
+from meshmark.io.binary_positions import BinaryPositions, binary_positions
+from meshmark.io.patch_document import PatchDocument, patch_document
 from meshmark.io.ply_attributes import ply_attributes
 from meshmark.io.ply_data import BinaryData, PlyData, TextData
 from meshmark.io.ply_header import PlyHeader, parse_header
 from meshmark.io.ply_layout import Columns, lay_out
 from meshmark.io.polygons import fan_corners, strip_triangles
-from meshmark.io.text_positions import text_positions
+from meshmark.io.text_positions import TextPositions, text_positions
 from meshmark.io.text_tokens import tokenise
 from meshmark.mesh import IntArray
 
@@ -29,7 +29,7 @@ def parse_ply(data: bytes, _path: Path) -> PatchDocument:
     """Read a PLY file. Raises `FormatError` where it breaks the format."""
     header = parse_header(data)
     source = _source(data, header)
-    columns = lay_out(header, source)
+    columns, remarks = lay_out(header, source)
     positions = _positions(data, source, columns.get("vertex"))
     sizes, corners = _corners(source, columns.get("face"))
     faces = [corners[fan_corners(sizes)], _strips(source, columns.get("tristrips"))]
@@ -39,7 +39,8 @@ def parse_ply(data: bytes, _path: Path) -> PatchDocument:
         "elements": {entry.name: [item.name for item in entry.properties] for entry in header.elements},
     }
     load = partial(ply_attributes, header, source, columns, bool((sizes > 3).any()))
-    return patch_document("ply", positions, np.concatenate(faces), load, facts)
+    gaps, together = positions.gaps, np.concatenate(faces)
+    return patch_document("ply", positions, together, load, facts, remarks=remarks, gaps=gaps)
 
 
 def _source(data: bytes, header: PlyHeader) -> PlyData:
@@ -48,7 +49,7 @@ def _source(data: bytes, header: PlyHeader) -> PlyData:
     return TextData(tokenise(data, header.size))
 
 
-def _positions(data: bytes, source: PlyData, vertex: Columns | None) -> Positions:
+def _positions(data: bytes, source: PlyData, vertex: Columns | None) -> BinaryPositions | TextPositions:
     entries = [] if vertex is None else [vertex.element.find(name) for name in "xyz"]
     if vertex is None or not vertex.element.rows or not all(entries):
         raise FormatError("the file has no element 'vertex' with properties x, y and z")
@@ -66,12 +67,12 @@ def _positions(data: bytes, source: PlyData, vertex: Columns | None) -> Position
 def _corners(source: PlyData, face: Columns | None) -> tuple[IntArray, IntArray]:
     """Return the corners per face, and all corners."""
     entry = None if face is None else face.element.find(*_INDICES)
-    if face is None or entry is None or entry.count is None or not face.element.rows:
+    if face is None or entry is None or entry.count is None or not len(face.counts[entry.name]):
         return np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
     if entry.dtype.kind == "f":
         raise FormatError(f"the list '{entry.name}' of the faces has real numbers, expected whole ones")
     sizes, places = face.counts[entry.name], face.places[entry.name]
-    if (sizes == sizes[0]).all():
+    if sizes[0] > 0 and (sizes == sizes[0]).all():
         return sizes, source.lists(places, entry.dtype, int(sizes[0])).astype(np.int64).ravel()
     group, place = members(sizes)
     return sizes, source.values(places[group] + place * source.width(entry.dtype), entry.dtype).astype(

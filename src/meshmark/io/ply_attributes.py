@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from meshmark.errors import FormatError
-from meshmark.io.colors import rgba
+from meshmark.io.colors import ODD_COLORS, rgba
 from meshmark.io.document import Attributes
 from meshmark.io.ply_data import PlyData
 from meshmark.io.ply_header import PlyHeader
@@ -37,7 +36,7 @@ def ply_attributes(
 
     normals, texcoords, shades = numbers(("nx", "ny", "nz")), numbers(*_TEXCOORDS), numbers(*_COLORS)
     colors: NDArray[np.uint8] | None = None
-    if shades is not None:
+    if shades is not None and np.isfinite(shades).all():
         entry = vertex.element.find("red", "r")
         colors = rgba(
             shades, unit=entry is not None and entry.dtype.kind == "f" and bool((shades <= 1).all())
@@ -49,6 +48,8 @@ def ply_attributes(
         elif element.name not in ("vertex", "tristrips") and element.rows:
             other.append(f"element {element.name}")
     other += ["polygons"] * polygons
+    if shades is not None and not np.isfinite(shades).all():
+        colors, other = None, [*other, ODD_COLORS]
     return Attributes(normals, texcoords, colors, tuple(other))
 
 
@@ -58,7 +59,4 @@ def _numbers(source: PlyData, vertex: Columns, names: tuple[str, ...]) -> FloatA
         for name in names
         if (entry := vertex.element.find(name)) is not None
     ]
-    numbers = np.stack(columns, axis=1).astype(np.float64)
-    if not np.isfinite(numbers).all():
-        raise FormatError(f"a vertex property {names[0]} is not a finite number")
-    return numbers
+    return np.stack(columns, axis=1).astype(np.float64)

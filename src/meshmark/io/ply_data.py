@@ -35,8 +35,13 @@ class PlyData(Protocol):
         ...
 
     @property
-    def unit(self) -> str:
-        """Return what places count, for messages."""
+    def unit(self) -> tuple[str, str]:
+        """Return what one place is, and several are, for messages."""
+        ...
+
+    @property
+    def whole(self) -> bool:
+        """Whether the last value is there in full wherever the file may have been cut off."""
         ...
 
     def width(self, dtype: Type, /) -> int:
@@ -73,7 +78,8 @@ class BinaryData:
     data: bytes
     begin: int
     end: int
-    unit: str = "bytes"
+    unit: tuple[str, str] = ("byte", "bytes")
+    whole: bool = True
 
     def width(self, dtype: Type) -> int:
         """Return the bytes of one value."""
@@ -104,7 +110,12 @@ class TextData:
 
     tokens: Tokens
     begin: int = 0
-    unit: str = "numbers"
+    unit: tuple[str, str] = ("word", "words")
+
+    @property
+    def whole(self) -> bool:
+        """Whether white space follows the last token: a number cut short has none."""
+        return self.tokens.closed
 
     @property
     def end(self) -> int:
@@ -127,8 +138,10 @@ class TextData:
 
     def values(self, places: IntArray, dtype: Type) -> NDArray[Any]:
         """Return the (k,) values at ascending places."""
-        parse = parse_floats if dtype.kind == "f" else parse_ints
-        return parse(self.tokens.text, self.tokens.starts[places], self.tokens.ends[places])
+        spans = self.tokens.starts[places], self.tokens.ends[places]
+        if dtype.kind == "f":
+            return parse_floats(self.tokens.text, *spans, finite=False)
+        return parse_ints(self.tokens.text, *spans)
 
     def lists(self, places: IntArray, dtype: Type, members: int) -> NDArray[Any]:
         """Return the (k, members) values of lists that begin at ascending places."""

@@ -9,6 +9,7 @@ import numpy as np
 from meshmark.errors import FormatError
 from meshmark.io.ply_data import PlyData
 from meshmark.io.ply_header import Element, PlyHeader, Property
+from meshmark.io.wording import amount, surplus
 from meshmark.mesh import IntArray
 
 __all__ = ["Columns", "lay_out"]
@@ -27,19 +28,36 @@ class Columns:
     counts: dict[str, IntArray]
 
 
-def lay_out(header: PlyHeader, data: PlyData) -> dict[str, Columns]:
-    """Return where the values of each element stand, by its name.
+def lay_out(header: PlyHeader, data: PlyData) -> tuple[dict[str, Columns], tuple[str, ...]]:
+    """Return where the values of each element stand, by its name, and what the user should know of it.
 
-    Raises `FormatError` where the data do not end exactly where the header says.
+    The last element may have rows fewer than declared, each complete, and more may follow it.
+    Raises `FormatError` where the data end anywhere else, or where vertices may be missing or uncounted.
     """
     columns = {}
     place = data.begin
-    for element in header.elements:
-        laid = _uniform(element, data, place) or _row_by_row(element, data, place)
+    remarks: tuple[str, ...] = ()
+    last = max((k for k, element in enumerate(header.elements) if element.rows), default=-1)
+    for number, element in enumerate(header.elements):
+        laid = _uniform(element, data, place) or _row_by_row(element, data, place, number == last)
         columns[element.name], place = laid
-    if place != data.end:
-        raise FormatError(f"{data.end - place} {data.unit} follow the data that the header declares")
-    return columns
+        found = len(next(iter(laid[0].places.values()), ()))
+        if element.properties and found < element.rows:
+            remarks = (f"the header declares {element.rows:,} rows of '{element.name}', {found:,} are there",)
+    if place < data.end:
+        _check_surplus(header.elements[last], data, place)
+        remarks = (surplus(data.end - place, *data.unit),)
+    return columns, remarks
+
+
+def _check_surplus(last: Element, data: PlyData, place: int) -> None:
+    """Raise `FormatError` where what follows may be vertices that the header does not count."""
+    row = sum(data.width(entry.dtype) for entry in last.properties if entry.count is None)
+    if last.name == "vertex" and data.end - place >= row:
+        raise FormatError(
+            f"the header declares {last.rows} vertices, but behind them stands what may be further ones: "
+            f"{amount(data.end - place, *data.unit)}"
+        )
 
 
 def _uniform(element: Element, data: PlyData, begin: int) -> tuple[Columns, int] | None:
@@ -81,14 +99,19 @@ def _all_equal(data: PlyData, heads: IntArray, entry: Property, size: int) -> bo
         return False
 
 
-def _row_by_row(element: Element, data: PlyData, place: int) -> tuple[Columns, int]:
-    """Lay out rows whose lists differ in length: each row tells where the next begins."""
+def _row_by_row(element: Element, data: PlyData, place: int, last: bool) -> tuple[Columns, int]:
+    """Lay out rows whose lists differ in length: each row tells where the next begins.
+
+    last: no other element follows; then the data may end before all rows are there, but not within one.
+    """
     places: dict[str, list[int]] = {entry.name: [] for entry in element.properties}
     counts: dict[str, list[int]] = {e.name: [] for e in element.properties if e.count is not None}
     steps = [(entry, data.width(entry.dtype), places[entry.name].append) for entry in element.properties]
     if not steps:
         raise FormatError(f"the header declares '{element.name}' without properties")
-    for _ in range(element.rows):
+    for row in range(element.rows):
+        if place == data.end and row and last and counts and data.whole:
+            break
         for entry, width, note in steps:
             size = 1
             if entry.count is not None:

@@ -80,9 +80,10 @@ def write_mesh(
         decompressed = holder.decompressed(mesh.vertices)
         if recompress:
             files, decompressed = holder.recompressed(files, path.name, decompressed), ()
-        copies = _side_copies(holder, target.parent)
+        copies, dropped = _side_copies(holder, target.parent), holder.left_behind(path.name)
     else:
         files, dropped = _converted(mesh, entry, path.name)
+        dropped += () if source is None else source.left_behind(path.name)
     main = files.pop(path.name)
     try:
         present = _present(files, target)

@@ -6,26 +6,32 @@ import io
 import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from gzip import BadGzipFile, GzipFile
+from gzip import GzipFile
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from meshmark.errors import FormatError, InputError
 from meshmark.io.document import Attributes, Document
 from meshmark.io.formats import detect_format
+from meshmark.io.wording import amount
 from meshmark.mesh import FloatArray, IntArray, Mesh
+
+if TYPE_CHECKING:
+    from meshmark.io.archive import Archive
 
 __all__ = ["SourceFile", "gzipped", "read_mesh"]
 
-_GZIP_MAGIC = b"\x1f\x8b"
+_GZIP_MAGIC, _ZIP_MAGIC = b"\x1f\x8b", b"PK\x03\x04"
 
 # Files beyond this are refused: their arrays would not fit into an ordinary machine's memory.
 _MAX_BYTES = 4 << 30
 # Text of numbers shrinks up to twentyfold; a small file that grows beyond both limits is a trap.
 _MAX_GROWTH = 200
 _ALWAYS_ALLOWED = 64 << 20
+# For zlib: 32 kB of window, and a gzip header.
+_GZIP_WINDOW = 16 + zlib.MAX_WBITS
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,12 +39,15 @@ class SourceFile:
     """A document together with the file it was read from; itself a `Document`.
 
     path: where it was read. packed: the bytes of a gzipped file, plain: what was in it; else None.
+    archive: the zip archive that holds the model, or None. tail: what follows the gzip data.
     """
 
     path: Path
     document: Document
     packed: bytes | None = None
     plain: bytes | None = None
+    archive: Archive | None = None
+    tail: bytes = b""
 
     @property
     def format(self) -> str:
@@ -49,6 +58,15 @@ class SourceFile:
     def vertices(self) -> FloatArray:
         """Return the (n, 3) positions read."""
         return self.document.vertices
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Return what the user should know of how the file was read."""
+        outer: tuple[str, ...] = () if self.archive is None else (self.archive.remark,)
+        if self.tail:
+            count = amount(len(self.tail), "byte follows", "bytes follow")
+            outer += (f"{count} the gzip data, and {'is' if len(self.tail) == 1 else 'are'} kept",)
+        return outer + self.document.remarks
 
     @property
     def faces(self) -> IntArray:
@@ -62,15 +80,30 @@ class SourceFile:
     def patched(self, vertices: FloatArray, name: str) -> Mapping[str, bytes]:
         """Return the files to write; the first is gzipped where `name` ends in `.gz`.
 
-        A gzipped file whose own name does not say so stays gzipped.
+        A gzipped file whose own name does not say so stays gzipped. A model from a zip archive goes back into it
+        where `name` ends in `.zip`, or neither name does. Raises `InputError` for such a name without an archive.
         """
+        if self._in_archive(name) and self.archive is not None:
+            (main,) = self.document.patched(vertices, self.archive.name).values()
+            return {name: self.archive.holding(main)}
+        if _says_zip(name):
+            raise InputError(f"cannot write {name}: a zip archive is only written where one was read")
         inner = name[:-3] if _says_gzip(name) else name
         files = dict(self.document.patched(vertices, inner))
         if inner == name and (self.packed is None or _says_gzip(self.path.name)):
             return files
         main = files.pop(inner)
         unchanged = self.packed is not None and main == self.plain
-        return {name: self.packed if unchanged and self.packed else gzipped(main), **files}
+        return {name: self.packed if unchanged and self.packed else gzipped(main) + self.tail, **files}
+
+    def left_behind(self, name: str) -> tuple[str, ...]:
+        """Return what of the archive a file of this name does not hold."""
+        if self.archive is None or not self.archive.others or self._in_archive(name):
+            return ()
+        return ("other files in the zip archive",)
+
+    def _in_archive(self, name: str) -> bool:
+        return self.archive is not None and (_says_zip(name) or not _says_zip(self.path.name))
 
     def decompressed(self, vertices: FloatArray) -> tuple[str, ...]:
         """Return the extensions that compress this file but not what `patched` gives for these positions."""
@@ -110,6 +143,18 @@ class SourceFile:
         return self.document.side_files()
 
 
+def _says_zip(name: str) -> bool:
+    return name.lower().endswith(".zip")
+
+
+def _archive(data: bytes, path: Path) -> Archive | None:
+    if not data.startswith(_ZIP_MAGIC):
+        return None
+    from meshmark.io.archive import open_archive  # slow to import, and seldom needed
+
+    return open_archive(data, path)
+
+
 def _says_gzip(name: str) -> bool:
     return name.lower().endswith(".gz")
 
@@ -132,10 +177,15 @@ def read_mesh(path: str | Path) -> Mesh:
     path = Path(path)
     raw = _read_bytes(path)
     try:
-        plain = _unpacked(raw) if raw.startswith(_GZIP_MAGIC) else raw
-        document = detect_format(plain, path).parse(plain, path)
-        packed = plain is not raw
-        source = SourceFile(path, document, raw if packed else None, plain if packed else None)
+        packed = raw.startswith(_GZIP_MAGIC)
+        plain, tail = _unpacked(raw) if packed else (raw, b"")
+        archive = _archive(plain, path)
+        if packed and archive is not None:
+            raise InputError(f"{path} is a gzipped zip archive, expected one that is not gzipped")
+        # Files that a model in an archive refers to are not beside the archive.
+        place, content = (path, plain) if archive is None else (path / archive.name, archive.content)
+        document = detect_format(content, place).parse(content, place)
+        source = SourceFile(path, document, raw if packed else None, plain if packed else None, archive, tail)
         return Mesh(document.vertices, document.faces, source)
     except (MemoryError, RecursionError):
         raise InputError(f"{path} is too large or too deeply nested to be read") from None
@@ -164,17 +214,24 @@ def _read_bytes(path: Path) -> bytes:
     return raw
 
 
-def _unpacked(raw: bytes) -> bytes:
+def _unpacked(raw: bytes) -> tuple[bytes, bytes]:
+    """Return what is in a gzipped file, and the bytes behind it that are not gzip data."""
     limit = min(max(_ALWAYS_ALLOWED, _MAX_GROWTH * len(raw)), _MAX_BYTES)
-    try:
-        with GzipFile(fileobj=io.BytesIO(raw)) as packed:
-            plain = packed.read(limit + 1)
-    except (BadGzipFile, EOFError, zlib.error) as error:
-        raise FormatError(f"the gzip data is damaged ({error})") from None
-    if len(plain) > limit:
-        raise FormatError(
-            f"the gzip data unpacks to more than {limit >> 20} MB, which no model of its size does"
-        )
-    if not plain:
+    pieces, left, size = list[bytes](), raw, 0
+    while left.startswith(_GZIP_MAGIC):
+        member = zlib.decompressobj(_GZIP_WINDOW)
+        try:
+            pieces.append(member.decompress(left, limit - size + 1))
+        except zlib.error as error:
+            raise FormatError(f"the gzip data is damaged ({error})") from None
+        size += len(pieces[-1])
+        if size > limit:
+            raise FormatError(
+                f"the gzip data unpacks to more than {limit >> 20} MB, which no model of its size does"
+            )
+        if not member.eof:
+            raise FormatError("the gzip data is damaged (it ends before its end mark)")
+        left = member.unused_data
+    if not size:
         raise FormatError("the gzip data is empty, expected a model file")
-    return plain
+    return b"".join(pieces), left

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from functools import partial
 
@@ -23,6 +24,7 @@ __all__ = ["parse_text_stl"]
 _WORDS = {0: b"facet", 1: b"normal", 5: b"outer", 6: b"loop", 7: b"vertex", 11: b"vertex", 15: b"vertex"}
 _WORDS |= {19: b"endloop", 20: b"endfacet"}
 _FACET = 21
+_SPLIT = re.compile(rb"\bend[ \t]+(loop|facet|solid)\b", re.IGNORECASE)
 _NORMAL, _CORNERS = np.array([2, 3, 4]), np.array([8, 9, 10, 12, 13, 14, 16, 17, 18])
 # Normals are unit vectors; the usual six decimals are enough for new ones.
 _UNIT_BOX, _NORMAL_RESOLUTION = np.array([[-1.0, -1, -1], [1, 1, 1]]), 1e-6
@@ -60,10 +62,12 @@ class _Positions:
 
 def parse_text_stl(data: bytes) -> PatchDocument:
     """Read an STL file of text. Raises `FormatError` where it breaks the format."""
-    tokens = tokenise(data)
-    rows, solids = _facets(tokens)
+    # Some write "end loop": read as one word, which ends where the two end.
+    words = _SPLIT.sub(lambda found: (b"end" + found[1]).rjust(len(found[0])), data)
+    tokens = tokenise(words, comments=True)
+    rows, solids, remarks = _facets(tokens)
     numbers, chosen = rows[:, _CORNERS].reshape(-1, 3), rows[:, _NORMAL].ravel()
-    corners = text_positions(data, tokens.starts[numbers], tokens.ends[numbers])
+    corners = text_positions(data, tokens.starts[numbers], tokens.ends[numbers], finite=True)
     starts, ends = tokens.starts[chosen], tokens.ends[chosen]
     normals = parse_floats(tokens.text, starts, ends, finite=False)
     plain = np.isfinite(normals)
@@ -75,16 +79,18 @@ def parse_text_stl(data: bytes) -> PatchDocument:
     positions = _Positions(corners, normals.reshape(-1, 3), starts, ends, style)
     faces = np.arange(3 * len(rows)).reshape(-1, 3)
     facts = {"encoding": "text", "solids": solids}
-    return patch_document("stl", positions, faces, partial(_attributes, solids), facts)
+    return patch_document("stl", positions, faces, partial(_attributes, solids), facts, remarks=remarks)
 
 
-def _facets(tokens: Tokens) -> tuple[IntArray, int]:
-    """Return the (m, 21) tokens of the facets, and the number of solids."""
+def _facets(tokens: Tokens) -> tuple[IntArray, int, tuple[str, ...]]:
+    """Return the (m, 21) tokens of the facets, the number of solids, and what the user should know of that."""
     lines = tokens.keys(tokens.first, fold=True)
     solid, end = lines == key(b"solid"), lines == key(b"endsolid")
-    if not len(tokens.first) or not end[-1]:
-        raise FormatError("the file ends without a line 'endsolid'")
-    words = np.flatnonzero(~np.repeat(solid | end, tokens.counts()))
+    # Text before the first solid is no part of it, unless facets stand there.
+    before = np.arange(len(lines)) < int(np.argmax(solid))
+    before &= not np.isin(lines[before], [key(b"facet"), key(b"vertex")]).any()
+    words = np.flatnonzero(~np.repeat(solid | end | before, tokens.counts()))
+    remarks = () if len(end) and end[-1] else ("the file ends without a line 'endsolid'",)
     if not len(words):
         raise FormatError("the file has no facets, expected a surface")
     whole = len(words) // _FACET * _FACET
@@ -101,7 +107,7 @@ def _facets(tokens: Tokens) -> tuple[IntArray, int]:
         )
     if whole < len(words):
         raise FormatError(f"the facet that begins on line {tokens.line(int(words[whole]))} is not complete")
-    return rows, int(solid.sum())
+    return rows, int(solid.sum()), remarks
 
 
 def _attributes(solids: int) -> Attributes:

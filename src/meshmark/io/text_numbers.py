@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import numpy as np
@@ -11,11 +12,22 @@ from meshmark.errors import FormatError
 from meshmark.io.short_numbers import ByteArray, read_short_floats, read_short_ints
 from meshmark.mesh import FloatArray, IntArray
 
-__all__ = ["ByteArray", "compact", "line_number", "parse_floats", "parse_ints", "readable", "span_mask"]
+__all__ = [
+    "ByteArray",
+    "compact",
+    "line_number",
+    "needs_finite",
+    "parse_floats",
+    "parse_ints",
+    "readable",
+    "span_mask",
+]
 
 _BLANK = 32
 # Spans are read this many at a time: few enough to stay in the cache.
 _BATCH = 1 << 16
+# What the C library of Windows wrote for infinity and for what is not a number.
+_WINDOWS = re.compile(rb"(?<![^ ])([-+]?)1\.#(INF|IND|QNAN|SNAN)0*(?= )")
 
 
 def readable(text: ByteArray, start: int, end: int) -> str:
@@ -57,12 +69,14 @@ def parse_floats(text: ByteArray, starts: IntArray, ends: IntArray, finite: bool
     values: FloatArray = _parse(text, starts, ends, np.float64, "a number")
     bad = ~np.isfinite(values)
     if finite and bad.any():
-        start, end = int(starts[np.argmax(bad)]), int(ends[np.argmax(bad)])
-        raise FormatError(
-            f"line {line_number(text, start)} has '{readable(text, start, end)}' "
-            "where a finite number is expected"
-        )
+        raise FormatError(needs_finite(text, int(starts[np.argmax(bad)]), int(ends[np.argmax(bad)])))
     return values
+
+
+def needs_finite(text: ByteArray, start: int, end: int) -> str:
+    """Return the sentence that refuses a number for not being finite."""
+    where = line_number(text, start)
+    return f"line {where} has '{readable(text, start, end)}' where a finite number is expected"
 
 
 def parse_ints(text: ByteArray, starts: IntArray, ends: IntArray) -> IntArray:
@@ -95,8 +109,11 @@ def _parse(text: ByteArray, starts: IntArray, ends: IntArray, dtype: Any, wanted
 def _read(text: ByteArray, starts: IntArray, ends: IntArray, dtype: Any) -> NDArray[Any] | None:
     if (ends <= starts).any():
         return None
+    words = compact(text, starts, ends).tobytes()
+    if b"#" in words:
+        words = _WINDOWS.sub(lambda found: found[1] + (b"inf" if found[2] == b"INF" else b"nan"), words)
     try:
-        values = np.fromstring(compact(text, starts, ends).tobytes(), dtype=dtype, sep=" ")
+        values = np.fromstring(words, dtype=dtype, sep=" ")
     except ValueError:
         return None
     return values if len(values) == len(starts) else None

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
+from numpy.typing import NDArray
 
-from meshmark.errors import InputError
+from meshmark.errors import FormatError, InputError
 from meshmark.geometry.groups import members
+from meshmark.io.gaps import Gaps
 from meshmark.io.number_print import format_numbers, round_numbers
 from meshmark.io.number_style import NumberStyle, detect_style, digits_needed
-from meshmark.io.text_numbers import ByteArray, parse_floats, span_mask
+from meshmark.io.text_numbers import ByteArray, needs_finite, parse_floats, span_mask
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["Edits", "TextPositions", "merge_edits", "splice", "text_positions"]
@@ -30,6 +33,7 @@ class TextPositions:
     starts, ends: (3n,) byte spans of the coordinates, row by row, ascending.
     values:       (n, 3) what they say.
     order:        (3,) the axes in the order in which a row has them.
+    gaps:         rows of the file that are left out, None where there are none.
     """
 
     data: bytes
@@ -38,6 +42,7 @@ class TextPositions:
     values: FloatArray
     style: NumberStyle
     order: IntArray
+    gaps: Gaps | None = None
 
     def conform(self, vertices: FloatArray) -> FloatArray:
         """Return the (n, 3) positions that the file would say for these."""
@@ -75,17 +80,33 @@ class TextPositions:
             digits = again
 
 
-def text_positions(data: bytes, starts: IntArray, ends: IntArray, whole: bool = False) -> TextPositions:
+def text_positions(
+    data: bytes, starts: IntArray, ends: IntArray, whole: bool = False, finite: bool = False
+) -> TextPositions:
     """Read the coordinates x, y, z that stand in these spans, (n, 3), row by row ascending.
 
     Within a row the order may differ, the same in all rows. whole: the file allows whole numbers only.
+    finite: refuse every row without finite coordinates; else such rows are left out, as `gaps` says.
     """
     order = np.argsort(starts[0])
     text = np.frombuffer(data, dtype=np.uint8)
     begins, stops = starts[:, order].ravel(), ends[:, order].ravel()
-    values = parse_floats(text, begins, stops)
+    values = parse_floats(text, begins, stops, finite)
+    gaps, good = None, np.asarray(np.isfinite(values).reshape(-1, 3).all(axis=1))
+    if not good.all():
+        where = partial(_not_finite, text, begins, stops, ~np.isfinite(values))
+        gaps = Gaps(np.flatnonzero(good), len(good), where)
+        if not good.any():
+            raise FormatError(where(0))
+        spans = np.repeat(good, 3)
+        begins, stops, values = begins[spans], stops[spans], values[spans]
     style = NumberStyle("whole", 1, 0, 0) if whole else detect_style(text, begins, stops, values)
-    return TextPositions(data, begins, stops, values.reshape(-1, 3)[:, np.argsort(order)], style, order)
+    return TextPositions(data, begins, stops, values.reshape(-1, 3)[:, np.argsort(order)], style, order, gaps)
+
+
+def _not_finite(text: ByteArray, begins: IntArray, stops: IntArray, bad: NDArray[np.bool_], row: int) -> str:
+    place = 3 * row + int(np.argmax(bad[3 * row : 3 * row + 3]))
+    return needs_finite(text, int(begins[place]), int(stops[place]))
 
 
 def splice(data: bytes, starts: IntArray, ends: IntArray, letters: ByteArray, lengths: IntArray) -> bytes:

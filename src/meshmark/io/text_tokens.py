@@ -16,6 +16,7 @@ __all__ = ["Tokens", "key", "token_blocks", "tokenise"]
 
 _SPACE = np.zeros(256, dtype=bool)
 _SPACE[[9, 10, 11, 12, 13, 32]] = True
+_DOT, _ONE, _I_Q_S = 46, 49, np.frombuffer(b"IQS", dtype=np.uint8)
 _BLANK, _HASH, _BACKSLASH, _LF, _CR = 32, 35, 92, 10, 13
 
 _UTF16 = (b"\xff\xfe", b"\xfe\xff")
@@ -41,6 +42,11 @@ class Tokens:
     starts: IntArray
     ends: IntArray
     first: IntArray
+
+    @property
+    def closed(self) -> bool:
+        """Whether anything follows the last token, so that it is not cut short."""
+        return bool(len(self.ends)) and int(self.ends[-1]) < len(self.text)
 
     def word(self, index: int) -> str:
         """Return token `index` as text, shortened for a message."""
@@ -139,6 +145,8 @@ def _line_breaks(text: ByteArray) -> NDArray[np.bool_]:
 
 def _blank_comments(text: ByteArray) -> None:
     marks = np.flatnonzero(text == _HASH)
+    # Not those within "1.#IND" and the like, numbers as the C library of Windows wrote them.
+    marks = marks[~((text[marks - 1] == _DOT) & (text[marks - 2] == _ONE) & np.isin(text[marks + 1], _I_Q_S))]
     breaks = np.append(np.flatnonzero(_line_breaks(text)), len(text))
     stops = breaks[np.searchsorted(breaks, marks)]
     leading = np.diff(stops, prepend=-1) > 0

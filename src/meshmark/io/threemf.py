@@ -23,7 +23,8 @@ from meshmark.io.number_style import NumberStyle, detect_style, digits_needed
 from meshmark.io.placement import Affine, Placement, place, pull_back
 from meshmark.io.text_positions import splice
 from meshmark.io.threemf_model import MeshText, ModelPart, Use, open_model
-from meshmark.io.threemf_package import Package, open_package, part_name
+from meshmark.io.threemf_package import main_model, part_name, read_part
+from meshmark.io.zip_package import Package, open_package
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["ThreeMfDocument", "parse_3mf"]
@@ -49,6 +50,7 @@ class ThreeMfDocument:
     vertices: FloatArray
     faces: IntArray
     format: str = "3mf"
+    remarks: tuple[str, ...] = ()
 
     def conform(self, vertices: FloatArray) -> FloatArray:
         """Return the positions (n, 3) that reading the written file would give, to the last bit."""
@@ -70,7 +72,9 @@ class ThreeMfDocument:
             letters, lengths = format_numbers(style, digits, rounded.ravel()[order])
             text = self.parts[part].text
             if len(order):
-                contents[part] = splice(text, starts.ravel()[order], ends.ravel()[order], letters, lengths)
+                fresh = splice(text, starts.ravel()[order], ends.ravel()[order], letters, lengths)
+                encoding = self.parts[part].encoding
+                contents[part] = fresh if encoding == "utf-8" else fresh.decode().encode(encoding)
         return {name: self.package.with_parts(contents)}
 
     def attributes(self) -> Attributes:
@@ -148,8 +152,8 @@ class ThreeMfDocument:
 def parse_3mf(data: bytes, path: Path) -> ThreeMfDocument:
     """Read a 3MF package. Raises `FormatError`."""
     package = open_package(data)
-    main = package.main_model()
-    parts = {main: open_model(main, package.read(main))}
+    main = main_model(package)
+    parts = {main: open_model(main, read_part(package, main))}
     first, stored = dict[Key, int](), list[FloatArray]()
     placements, faces = list[Placement](), list[IntArray]()
     rows = total = kept = 0
@@ -199,7 +203,7 @@ def _uses(package: Package, parts: dict[str, ModelPart], main: str) -> list[tupl
     while stack:
         home, use, above, depth = stack.pop()
         name = home if use.path is None else package.member(part_name(use.path)).filename
-        part = parts.get(name) or parts.setdefault(name, open_model(name, package.read(name)))
+        part = parts.get(name) or parts.setdefault(name, open_model(name, read_part(package, name)))
         if use.object_id not in part.components:
             raise FormatError(f"{name} has no object {use.object_id!r}, which {home} refers to")
         found.append((name, use, above))

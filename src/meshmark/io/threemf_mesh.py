@@ -49,17 +49,18 @@ class PlainList:
     values: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
 
 
-def plain_lists(text: bytes) -> tuple[bytes, dict[int, PlainList]]:
+def plain_lists(text: bytes) -> tuple[bytes, dict[int, PlainList], list[tuple[int, int]]]:
     """Cut the plainly written lists out of a model part.
 
-    Return the text that is left, and the lists by the offset that their opening tag has in it.
+    Return the text that is left, the lists by the offset that their opening tag has in it, and where and how many
+    bytes were cut out of it.
     """
     # A comment, CDATA section, document type or processing instruction could hold what only looks like a
     # list.
     if b"<!" in text or text.count(b"<?") > text.startswith((b"<?", b"\xef\xbb\xbf<?")):
-        return text, {}
+        return text, {}, []
     letters = np.frombuffer(text, np.uint8)
-    pieces, lists, at, kept = [], dict[int, PlainList](), 0, 0
+    pieces, lists, cuts, at, kept = [], dict[int, PlainList](), list[tuple[int, int]](), 0, 0
     for tag in _OPEN.finditer(text):
         body = _LISTS[tag.group(1)].match(text, tag.end())
         end = body.end() if body else tag.end()
@@ -68,8 +69,9 @@ def plain_lists(text: bytes) -> tuple[bytes, dict[int, PlainList]]:
         lists[kept + tag.start() - at] = _parsed(letters, tag.end(), end)
         kept += tag.end() - at
         pieces.append(text[at : tag.end()])
+        cuts.append((kept, end - tag.end()))
         at = end
-    return b"".join([*pieces, text[at:]]), lists
+    return b"".join([*pieces, text[at:]]), lists, cuts
 
 
 def _parsed(letters: ByteArray, start: int, end: int) -> PlainList:

@@ -9,8 +9,9 @@ import numpy as np
 
 from meshmark.errors import FormatError
 from meshmark.io.placement import Affine
+from meshmark.io.text_numbers import line_number
 from meshmark.io.threemf_mesh import attribute_spans, number, plain_lists, whole_number
-from meshmark.io.xml_text import walk_xml
+from meshmark.io.xml_text import as_utf8, walk_xml
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["MeshText", "ModelPart", "Use", "open_model"]
@@ -56,10 +57,14 @@ class Use:
 
 @dataclass
 class ModelPart:
-    """What a part says. scale: millimetres per unit; found: names of elements outside the core."""
+    """What a part says.
+
+    text: in UTF-8; encoding: the file's. scale: millimetres per unit; found: names of elements outside the core.
+    """
 
     name: str
     text: bytes
+    encoding: str = "utf-8"
     scale: float = 1.0
     unit: str = "millimeter"
     meshes: dict[str, MeshText] = field(default_factory=dict)
@@ -79,9 +84,10 @@ class _Rows:
 class _Reader:
     """Takes the parser's events; `path` holds the tags that are open, the root first."""
 
-    def __init__(self, name: str, text: bytes, quick: bool) -> None:
-        self.part = ModelPart(name, text)
-        self.left, self.lists = plain_lists(text) if quick else (text, {})
+    def __init__(self, name: str, content: bytes, quick: bool) -> None:
+        text, encoding = as_utf8(content, name)
+        self.part = ModelPart(name, text, encoding)
+        self.left, self.lists, self.cuts = plain_lists(text) if quick else (text, {}, [])
         self.path: tuple[str, ...] = ()
         self.object_id = ""
         self.rows: dict[str, tuple[FloatArray, IntArray, IntArray]] = {}
@@ -114,6 +120,11 @@ class _Reader:
         elif self.path == _MESH:
             self.part.meshes[self.object_id] = self._mesh()
         self.path = self.path[:-1]
+
+    def line(self, offset: int) -> int:
+        """Return the line of the part's text on which byte `offset` of what is left of it stands."""
+        cut = sum(size for place, size in self.cuts if place <= offset)
+        return line_number(np.frombuffer(self.part.text, np.uint8), offset + cut)
 
     def _model(self, tag: str, attributes: Mapping[str, str]) -> None:
         if tag != "model":
@@ -181,8 +192,8 @@ class _Reader:
         return MeshText(vertices, starts, ends, corners.astype(np.int64))
 
 
-def open_model(name: str, text: bytes, quick: bool = True) -> ModelPart:
+def open_model(name: str, content: bytes, quick: bool = True) -> ModelPart:
     """Read a model part. quick: take plainly written lists the fast way. Raises `FormatError`."""
-    reader = _Reader(name, text, quick)
-    walk_xml(reader.left, name, reader.start, reader.end)
+    reader = _Reader(name, content, quick)
+    walk_xml(reader.left, name, reader.start, reader.end, reader.line)
     return reader.part

@@ -6,6 +6,8 @@ other members. Here the records are patched in place. Layout: PKWARE APPNOTE 6.3
 
 from __future__ import annotations
 
+import bz2
+import lzma
 import struct
 import zipfile
 import zlib
@@ -18,6 +20,10 @@ __all__ = ["replace_members"]
 _CENTRAL, _END, _DESCRIPTOR = b"PK\x01\x02", b"PK\x05\x06", b"PK\x07\x08"
 _END64, _LOCATOR64 = b"PK\x06\x06", b"PK\x06\x07"
 _HAS_DESCRIPTOR = 0x8
+# Of LZMA data, that a mark ends them; ours always have one. Section 5.8: version, length and bytes of properties.
+_HAS_END_MARK = 0x2
+_LZMA = {"id": lzma.FILTER_LZMA1, "dict_size": 1 << 23, "lc": 3, "lp": 0, "pb": 2}
+_LZMA_HEAD = struct.pack("<BBHBI", 9, 4, 5, (2 * 5 + 0) * 9 + 3, 1 << 23)
 _WIDE = 0xFFFFFFFF
 
 # Places of (crc, compressed size, size, name length, fixed part) in the two kinds of header.
@@ -60,6 +66,10 @@ def _replaced(data: bytes, archive: zipfile.ZipFile, contents: Mapping[str, byte
 def _compressed(content: bytes, item: zipfile.ZipInfo) -> bytes:
     if item.compress_type == zipfile.ZIP_STORED:
         return content
+    if item.compress_type == zipfile.ZIP_BZIP2:
+        return bz2.compress(content)
+    if item.compress_type == zipfile.ZIP_LZMA:
+        return _LZMA_HEAD + lzma.compress(content, lzma.FORMAT_RAW, filters=[_LZMA])
     if item.compress_type != zipfile.ZIP_DEFLATED:
         raise FormatError(f"{item.filename} is packed with method {item.compress_type}, expected deflate")
     packer = zlib.compressobj(6, zlib.DEFLATED, -zlib.MAX_WBITS)
@@ -70,6 +80,8 @@ def _member(record: bytes, item: zipfile.ZipInfo, body: bytes, numbers: tuple[in
     name_size, extra_size = struct.unpack_from("<HH", record, 26)
     start = 30 + name_size + extra_size
     header, rest = bytearray(record[:start]), bytearray(record[start + item.compress_size :])
+    if item.compress_type == zipfile.ZIP_LZMA:
+        header[6] |= _HAS_END_MARK
     if item.flag_bits & _HAS_DESCRIPTOR:
         _put_descriptor(rest, item.filename, numbers)
     if not item.flag_bits & _HAS_DESCRIPTOR or header[14:26] != bytes(12):
@@ -129,6 +141,8 @@ def _directory(
         old = struct.unpack_from(layout, record, place)[0]
         if old in packed:
             _put_numbers(record, _CENTRAL_FIELDS, packed[old])
+            if struct.unpack_from("<H", record, 10)[0] == zipfile.ZIP_LZMA:
+                record[8] |= _HAS_END_MARK
         if old not in offsets:
             raise FormatError(
                 "the zip directory has data before it that is not counted, as self-extracting files do"

@@ -56,6 +56,8 @@ def embed_file(
 
     report = write_mesh(result.mesh, out, verify=read_back, recompress=recompress)
     remarks = result.remarks + uncompressed(report, Path(out))
+    if mesh.document is not None:
+        remarks = tuple(f"{Path(model).name}: {remark}" for remark in mesh.document.remarks) + remarks
     if report.dropped:
         remarks += (f"{Path(out).name} cannot hold the model's {', '.join(report.dropped)}",)
     result = _as_written(result, mesh, seen[0], key)

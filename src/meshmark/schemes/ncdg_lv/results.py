@@ -24,7 +24,7 @@ class Embedding:
     psnr_db: 20 log10(diagonal / RMS), infinite where nothing moved (null in JSON);
     verified: the positions as the file holds them were decoded again.
     strength, spacing, step: of the lattice, as in `certificate`, which is made when it is asked for.
-    remarks: sentences about what was left out, and what a conversion to another format dropped.
+    remarks: sentences about how the file was read, what was left out, and what a conversion dropped.
     seal: adds to the certificate what takes the mark off again.
     """
 
