@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from meshmark.io.formats import FORMATS
 from meshmark.io.save import WriteReport, conform, write_mesh
-from meshmark.io.source import read_mesh
+from meshmark.io.source import read_mesh, read_mesh_from
+from meshmark.io.staging import Staging
 
-__all__ = ["FORMATS", "WriteReport", "conform", "read_mesh", "write_mesh"]
+__all__ = ["FORMATS", "Staging", "WriteReport", "conform", "read_mesh", "read_mesh_from", "write_mesh"]

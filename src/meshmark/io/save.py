@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import os
-import tempfile
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -14,6 +14,7 @@ from meshmark.errors import InputError, MeshmarkError, OutputError
 from meshmark.io.document import Attributes
 from meshmark.io.formats import FORMATS, Format, format_of_name
 from meshmark.io.source import SourceFile, gzipped
+from meshmark.io.staging import Staging
 from meshmark.mesh import FloatArray, IntArray, Mesh
 
 __all__ = ["WriteReport", "conform", "write_mesh"]
@@ -43,6 +44,8 @@ def write_mesh(
     path: str | Path,
     verify: Callable[[Path], None] | None = None,
     default: str | None = None,
+    *,
+    staging: Staging | None = None,
 ) -> WriteReport:
     """Write a mesh to `path`: positions patched into the file it came from, or converted to a new one.
 
@@ -50,7 +53,8 @@ def write_mesh(
     nothing but positions and copies side files (materials, images) that are not there yet. All files are
     complete before any is moved into place; on failure none is left. `verify` is given the model among the
     complete files, before they have their places, and stops the save by raising. `default` is the format, a key
-    of `FORMATS`, for a mesh made in memory where the path has no known extension.
+    of `FORMATS`, for a mesh made in memory where the path has no known extension. `staging` takes the files, to
+    move them into place together with others; without it that is done at once, and existing files are replaced.
     Raises `InputError` where `path` is the file read or one it refers to, or has no known format, and
     `OutputError` where it cannot be written.
     """
@@ -75,11 +79,23 @@ def write_mesh(
     try:
         present = _present(files, target)
         files |= {name: origin.read_bytes() for name, origin in copies.items() if name not in files}
-        places = {target: main, **_beside(target, files)}
-        _move_into_place(places, present, verify)
+        places = {target: main, **{target.parent / name: data for name, data in files.items()}}
+        with ExitStack() as owned:
+            stage = owned.enter_context(Staging()) if staging is None else staging
+            stage.keep(*_inputs(source))
+            staged = [
+                stage.put(place, data, target.parent, move=place not in present)
+                for place, data in places.items()
+            ]
+            if verify is not None:
+                verify(staged[0])
         return WriteReport(tuple(places), dropped)
     except OSError as error:
-        raise OutputError(f"cannot write {error.filename or path}: {error.strerror or error}") from None
+        if isinstance(error, OutputError):
+            raise
+        raise OutputError(
+            f"cannot write {error.filename or path}: {error.strerror or error}", file=path
+        ) from None
 
 
 def _format_for(mesh: Mesh, path: Path, default: str | None) -> Format:
@@ -103,7 +119,7 @@ def _checked_target(path: Path, source: SourceFile | None) -> Path:
             raise OutputError(f"cannot write {path}: it is not an ordinary file")
         if not target.parent.is_dir():
             raise OutputError(f"cannot write {path}: the folder {target.parent} does not exist")
-        for other in () if source is None else (source.path, *source.side_files()):
+        for other in _inputs(source):
             if target.exists() and other.exists() and target.samefile(other):
                 raise InputError(f"cannot write {path}: it is the input, or a file that the input refers to")
     except (OSError, ValueError) as error:
@@ -111,6 +127,10 @@ def _checked_target(path: Path, source: SourceFile | None) -> Path:
             raise
         raise OutputError(f"cannot write {path}: {error}") from None
     return target
+
+
+def _inputs(source: SourceFile | None) -> tuple[Path, ...]:
+    return () if source is None else (source.path, *source.side_files())
 
 
 def _present(files: Mapping[str, bytes], target: Path) -> set[Path]:
@@ -175,36 +195,3 @@ def _split_seams(mesh: Mesh, attributes: Attributes) -> tuple[FloatArray, IntArr
         colors = None if attributes.colors is None else attributes.colors[first]
         return mesh.vertices, mesh.faces, replace(attributes, colors=colors, seams=None)
     return mesh.vertices[points], faces, replace(attributes, seams=None)
-
-
-def _beside(target: Path, files: Mapping[str, bytes]) -> dict[Path, bytes]:
-    beside = {}
-    for name, data in files.items():
-        place = target.parent / name
-        if place.is_dir():
-            raise OutputError(f"cannot write {place}: it is an existing directory")
-        place.parent.mkdir(parents=True, exist_ok=True)
-        beside[place] = data
-    return beside
-
-
-def _move_into_place(
-    files: Mapping[Path, bytes], present: Collection[Path], verify: Callable[[Path], None] | None
-) -> None:
-    """Write every file into a temporary folder, then move all that are not `present`, the first one last."""
-    target, *_ = files
-    with tempfile.TemporaryDirectory(
-        prefix=f".{target.name[:80]}.", suffix=".tmp", dir=target.parent
-    ) as name:
-        staged = {place: Path(name) / place.relative_to(target.parent) for place in files}
-        for place, data in files.items():
-            staged[place].parent.mkdir(parents=True, exist_ok=True)
-            with staged[place].open("xb") as stream:
-                stream.write(data)
-                stream.flush()
-                os.fsync(stream.fileno())
-        if verify is not None:
-            verify(staged[target])
-        for place in reversed(list(files)):
-            if place not in present:
-                staged[place].replace(place)

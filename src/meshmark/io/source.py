@@ -8,14 +8,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from gzip import BadGzipFile, GzipFile
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 from meshmark.errors import FormatError, InputError
 from meshmark.io.document import Attributes, Document
-from meshmark.io.formats import detect_format
+from meshmark.io.formats import FORMATS, Format, detect_format
 from meshmark.mesh import FloatArray, IntArray, Mesh
 
-__all__ = ["SourceFile", "gzipped", "read_mesh"]
+__all__ = ["SourceFile", "gzipped", "parse_mesh", "read_mesh", "read_mesh_from"]
 
 _GZIP_MAGIC = b"\x1f\x8b"
 
@@ -24,6 +24,8 @@ _MAX_BYTES = 4 << 30
 # Text of numbers shrinks up to twentyfold; a small file that grows beyond both limits is a trap.
 _MAX_GROWTH = 200
 _ALWAYS_ALLOWED = 64 << 20
+# A stream is read in parts of so many bytes.
+_PART = 1 << 20
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,38 +104,66 @@ def read_mesh(path: str | Path) -> Mesh:
     Raises `InputError` for a file that cannot be read, `FormatError` for one that breaks its format;
     each says in one sentence what was expected.
     """
-    path = Path(path)
-    raw = _read_bytes(path)
+    return parse_mesh(_read_bytes(Path(path)), Path(path))
+
+
+def read_mesh_from(stream: BinaryIO, format: str, name: str = "standard input") -> Mesh:
+    """Read a model of a format, a key of `FORMATS`, from a stream to its end, gzipped or not.
+
+    name: of the stream, for messages; files that the model refers to are looked for in the current folder.
+    Raises what `read_mesh` raises.
+    """
+    if format not in FORMATS:
+        raise InputError(f"'{format}' is not a format, expected one of {', '.join(FORMATS)}")
+    content = io.BytesIO()
+    try:
+        while part := stream.read(_PART):
+            content.write(part)
+            if content.tell() > _MAX_BYTES:
+                raise InputError(f"{name} is longer than {_MAX_BYTES >> 30} GB, the most that is read")
+    except (OSError, MemoryError) as error:
+        raise InputError(f"cannot read {name}: {getattr(error, 'strerror', None) or 'too large'}") from None
+    if not content.tell():
+        raise FormatError(f"{name} is empty, expected a model")
+    return parse_mesh(content.getvalue(), Path(name), FORMATS[format])
+
+
+def parse_mesh(raw: bytes, path: Path, entry: Format | None = None) -> Mesh:
+    """Return the mesh in the bytes of a file; path: for messages and for files beside it.
+
+    entry: the format; known by content and by extension if None. Raises what `read_mesh` raises.
+    """
     try:
         plain = _unpacked(raw) if raw.startswith(_GZIP_MAGIC) else raw
-        document = detect_format(plain, path).parse(plain, path)
+        document = (entry or detect_format(plain, path)).parse(plain, path)
         packed = plain is not raw
         source = SourceFile(path, document, raw if packed else None, plain if packed else None)
         return Mesh(document.vertices, document.faces, source)
     except (MemoryError, RecursionError):
-        raise InputError(f"{path} is too large or too deeply nested to be read") from None
+        raise InputError(f"{path} is too large or too deeply nested to be read", file=path) from None
     except InputError as error:
+        error.file = error.file or str(path)
         if path.name in str(error):
             raise
-        raise type(error)(f"{path}: {error}") from None
+        raise type(error)(f"{path}: {error}", file=path) from None
 
 
 def _read_bytes(path: Path) -> bytes:
     try:
         if path.exists() and not path.is_file():
-            raise InputError(f"{path} is not a file, expected a model file")
+            raise InputError(f"{path} is not a file, expected a model file", file=path)
         if path.is_file() and path.stat().st_size > _MAX_BYTES:
-            raise InputError(f"{path} is larger than {_MAX_BYTES >> 30} GB, the most that is read")
+            raise InputError(f"{path} is larger than {_MAX_BYTES >> 30} GB, the most that is read", file=path)
         raw = path.read_bytes()
     except (OSError, ValueError) as error:
         if isinstance(error, InputError):
             raise
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-        raise InputError(f"cannot read {path}: {reason}") from None
+        raise InputError(f"cannot read {path}: {reason}", file=path) from None
     except MemoryError:
-        raise InputError(f"{path} is too large to be read") from None
+        raise InputError(f"{path} is too large to be read", file=path) from None
     if not raw:
-        raise FormatError(f"{path} is empty, expected a model file")
+        raise FormatError(f"{path} is empty, expected a model file", file=path)
     return raw
 
 

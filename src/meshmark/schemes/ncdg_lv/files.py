@@ -12,7 +12,7 @@ import numpy as np
 from meshmark.coding.keys import Key
 from meshmark.errors import CapacityError
 from meshmark.geometry.weld import weld
-from meshmark.io import read_mesh, write_mesh
+from meshmark.io import Staging, read_mesh, write_mesh
 from meshmark.mesh import Mesh
 from meshmark.schemes.ncdg_lv.authentication.content import Content
 from meshmark.schemes.ncdg_lv.extraction import extract
@@ -24,7 +24,7 @@ __all__ = ["embed_file"]
 
 
 def embed_file(
-    model: str | Path,
+    model: str | Path | Mesh,
     out: str | Path,
     key: Key,
     id: int | None = None,
@@ -32,16 +32,18 @@ def embed_file(
     layers: str | None = None,
     payload: Content = None,
     tolerance: str | None = None,
+    *,
+    staging: Staging | None = None,
 ) -> Embedding:
-    """Mark the model file `model` and write the result to `out`; see `embed` for the arguments.
+    """Mark the model file `model`, or what was read from one, and write the result to `out`.
 
-    The complete files are written under temporary names and read again, all layers blind; only then do they
-    take their places; `seconds` counts all of it. Raises what reading, embedding and writing raise, and
-    `CapacityError` where a layer is not found in the written file (a target format too coarse for the mark);
-    nothing is left behind then.
+    See `embed` for the arguments. The complete files are written under temporary names and read again, all layers
+    blind; only then do they take their places, or stay with `staging`, which moves them together with others.
+    `seconds` counts all of it. Raises what reading, embedding and writing raise, and `CapacityError` where a layer
+    is not found in the written file (a target format too coarse for the mark); nothing is left behind then.
     """
     start = perf_counter()
-    mesh = read_mesh(model)
+    mesh = model if isinstance(model, Mesh) else read_mesh(model)
     result = embed(mesh, key, id=id, strength=strength, layers=layers, payload=payload, tolerance=tolerance)
     seen: list[Mesh] = []
 
@@ -49,7 +51,7 @@ def embed_file(
         seen.append(read_mesh(written))
         _check(seen[0], key, result, Path(out).name)
 
-    report = write_mesh(result.mesh, out, verify=read_back)
+    report = write_mesh(result.mesh, out, verify=read_back, staging=staging)
     remarks = result.remarks
     if report.dropped:
         remarks += (f"{Path(out).name} cannot hold the model's {', '.join(report.dropped)}",)
