@@ -22,7 +22,7 @@ EMBED = {
 }  # fmt: skip
 EXTRACT = {
     "presence", "id", "log10_false_positive", "mode", "carriers", "carriers_agreeing", "lock_score", "advice",
-    "seconds",
+    "seconds", "evidence",
 }  # fmt: skip
 COMPARE = {
     "rms_over_diagonal", "max_over_diagonal", "mrms_over_diagonal", "hausdorff_over_diagonal", "psnr_db",
@@ -104,6 +104,9 @@ def test_extract_reads_the_id_and_exits_with_0(cli, files):
     assert found.keys() >= EXTRACT
     assert (found["presence"], found["id"], found["mode"]) == ("present", IDENTITY, "blind")
     assert found["log10_false_positive"] < -6
+    assert found["evidence"] == [
+        {"layer": "cells", "id": IDENTITY, "log10_false_positive": found["log10_false_positive"]}
+    ]
     assert IDENTITY in cli("extract", files.marked, "--key", files.key).out
 
 
@@ -245,7 +248,7 @@ def test_the_certificate_needs_a_name_of_its_own(tmp_path, cli):
     mm.write_mesh(mm.Mesh(*pebble(24)), model)
     cli("keygen", key)
     for name, words in (
-        (marked, "expected two names"),
+        (marked, "expected different names"),
         (model, "is also an input"),
         (key, "is also an input"),
     ):

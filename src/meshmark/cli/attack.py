@@ -128,11 +128,11 @@ def _attacked(job: _Job, chain: Chain, seed: int) -> dict[str, Any]:
     import numpy as np
 
     from meshmark.attacks import Given
-    from meshmark.io import read_mesh, write_mesh
+    from meshmark.io import write_mesh
 
     start = perf_counter()
-    mesh = read_model(job.model, job.format)
-    copies = tuple(read_mesh(other) for other in job.others)
+    mesh = read_model(job.model, job.format, job.staging)
+    copies = tuple(read_model(other, None, job.staging) for other in job.others)
     own = mesh.document.format if mesh.document else None
     with progress("attacking"), naming(named(job.model), *job.others), job.staging:
         result = chain.apply(mesh, np.random.default_rng(seed), Given(copies, next(iter(copies), None)))

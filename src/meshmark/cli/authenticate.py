@@ -65,8 +65,8 @@ def authenticate(
     outputs = [(map_, ".ply"), (report, ".html"), (payload, None)]
     staging = staged(outputs, [model, key, certificate, original], force)
     secret = Key.load(key)
-    mesh = read_model(model, format)
-    reference = load_reference(certificate, original)
+    mesh = read_model(model, format, staging)
+    reference = load_reference(certificate, original, staging)
     from meshmark.schemes.ncdg_lv import authenticate as judge
 
     with progress("checking the marks"), naming(named(model)):

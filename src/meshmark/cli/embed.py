@@ -89,7 +89,7 @@ def embed(
     staging = staged([(out, None), (certificate, None)], inputs, force)
     number = None if identity is None else parse_id(identity)
     secret = Key.load(key)
-    mesh = read_model(model, format)
+    mesh = read_model(model, format, staging)
     from meshmark.schemes.ncdg_lv.files import embed_file
 
     wanted = None if layers is None else layers.value

@@ -28,9 +28,7 @@ def info(model: ModelIn, format: ModelFormatIn = None, as_json: AsJson = False) 
     """
     fields, key = _fields(model, format)
     width = max(map(len, fields)) + 2
-    rows = [f"{name.replace('_', ' '):<{width}}{_shown(value)}" for name, value in fields.items()]
-    if key is not None:
-        rows.append(f"{'fingerprint':<{width}}{key.fingerprint}")
+    rows = (f"{name.replace('_', ' '):<{width}}{_shown(value)}" for name, value in fields.items())
     answer("\n".join(rows), described(fields, model, key=key), as_json)
     return 0
 
@@ -40,7 +38,8 @@ def _fields(path: Path, format: ModelFormat | None) -> tuple[dict[str, Any], Key
     from meshmark.coding.keys import Key, is_key_file
 
     if path != STANDARD_INPUT and is_key_file(path):
-        return {"kind": "meshmark key file, which is secret and not shown"}, Key.load(path)
+        key = Key.load(path)
+        return {"kind": "meshmark key file", "fingerprint": key.fingerprint}, key
     if path != STANDARD_INPUT and _is_certificate(path):
         from meshmark.schemes.ncdg_lv import Certificate
 

@@ -11,16 +11,27 @@ from meshmark.errors import InputError
 
 if TYPE_CHECKING:
     from meshmark.cli.options import ModelFormat
+    from meshmark.io import Staging
     from meshmark.mesh import Mesh
 
 __all__ = ["named", "read_model"]
 
 
-def read_model(path: Path, format: ModelFormat | None) -> Mesh:
+def read_model(path: Path, format: ModelFormat | None, staging: Staging | None = None) -> Mesh:
     """Read a model file, or standard input for `-`; raises `InputError`.
 
     format: of standard input, which has no name and need not tell by its content; None for a file.
+    staging: of the outputs, which is told not to touch the files that the model is made of.
     """
+    from meshmark.io import input_files
+
+    mesh = _read(path, format)
+    if staging is not None:
+        staging.keep(*input_files(mesh))
+    return mesh
+
+
+def _read(path: Path, format: ModelFormat | None) -> Mesh:
     from meshmark.io import read_mesh, read_mesh_from
 
     if path != STANDARD_INPUT:

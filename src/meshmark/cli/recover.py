@@ -33,7 +33,7 @@ def recover(
 
     staging = staged([(out, None)], [model, key, certificate], force)
     secret = Key.load(key)
-    mesh = read_model(model, format)
+    mesh = read_model(model, format, staging)
     reference = load_reference(certificate)
     from meshmark.schemes.ncdg_lv import recover as bring_back
 

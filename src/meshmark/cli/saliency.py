@@ -23,7 +23,7 @@ def saliency(
     Each vertex gets a saliency from 0 to 1; salient points are those that stand out most around them.
     """
     staging = staged([(picture, ".png")], [model], force)
-    mesh = read_model(model, format)
+    mesh = read_model(model, format, staging)
     from meshmark.saliency import analyse
 
     with progress("looking at the surface"), naming(named(model)):

@@ -23,7 +23,7 @@ def segment(
     Each region lies around a salient point and has a fair share of the model's two halves, green and blue.
     """
     staging = staged([(picture, ".png")], [model], force)
-    mesh = read_model(model, format)
+    mesh = read_model(model, format, staging)
     from meshmark.segmentation import segment as part
 
     with progress("drawing the map"), naming(named(model)):

@@ -41,7 +41,7 @@ def unmark(
     start = perf_counter()
     staging = staged([(out, None)], [model, key, certificate], force)
     secret = Key.load(key)
-    mesh = read_model(model, format)
+    mesh = read_model(model, format, staging)
     from meshmark.schemes.ncdg_lv import Certificate
     from meshmark.schemes.ncdg_lv import unmark as take_off
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -17,7 +17,7 @@ from meshmark.io.source import SourceFile, gzipped
 from meshmark.io.staging import Staging
 from meshmark.mesh import FloatArray, IntArray, Mesh
 
-__all__ = ["WriteReport", "conform", "write_mesh"]
+__all__ = ["WriteReport", "conform", "input_files", "write_mesh"]
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,8 @@ def write_mesh(
     entry = _format_for(mesh, path, default)
     document = mesh.document
     source = document if isinstance(document, SourceFile) else None
-    target = _checked_target(path, source)
+    inputs = input_files(mesh)
+    target = _checked_target(path, inputs)
     copies: dict[str, Path] = {}
     dropped: tuple[str, ...] = ()
     if document is not None and not np.array_equal(mesh.faces, document.faces):
@@ -82,7 +83,7 @@ def write_mesh(
         places = {target: main, **{target.parent / name: data for name, data in files.items()}}
         with ExitStack() as owned:
             stage = owned.enter_context(Staging()) if staging is None else staging
-            stage.keep(*_inputs(source))
+            stage.keep(*inputs)
             staged = [
                 stage.put(place, data, target.parent, move=place not in present)
                 for place, data in places.items()
@@ -109,7 +110,7 @@ def _format_for(mesh: Mesh, path: Path, default: str | None) -> Format:
     return entry
 
 
-def _checked_target(path: Path, source: SourceFile | None) -> Path:
+def _checked_target(path: Path, inputs: Sequence[Path]) -> Path:
     # A link is followed: what it points to is replaced, not the link.
     try:
         target = Path(os.path.realpath(path))
@@ -119,7 +120,7 @@ def _checked_target(path: Path, source: SourceFile | None) -> Path:
             raise OutputError(f"cannot write {path}: it is not an ordinary file")
         if not target.parent.is_dir():
             raise OutputError(f"cannot write {path}: the folder {target.parent} does not exist")
-        for other in _inputs(source):
+        for other in inputs:
             if target.exists() and other.exists() and target.samefile(other):
                 raise InputError(f"cannot write {path}: it is the input, or a file that the input refers to")
     except (OSError, ValueError) as error:
@@ -129,8 +130,17 @@ def _checked_target(path: Path, source: SourceFile | None) -> Path:
     return target
 
 
-def _inputs(source: SourceFile | None) -> tuple[Path, ...]:
-    return () if source is None else (source.path, *source.side_files())
+def input_files(mesh: Mesh) -> tuple[Path, ...]:
+    """Return the files that a mesh was read from, none for one made in memory: the model, and what it refers to."""
+    source = mesh.document
+    if not isinstance(source, SourceFile):
+        return ()
+    files = (source.path, *source.side_files())
+    if source.format != "gltf":
+        return files
+    # The buffers that hold positions are no side files, but a save returns them.
+    own = source.document.patched(source.vertices, source.path.name.removesuffix(".gz"))
+    return (*files, *(source.path.parent / name for name in own))
 
 
 def _present(files: Mapping[str, bytes], target: Path) -> set[Path]:

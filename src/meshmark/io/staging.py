@@ -171,6 +171,8 @@ def _move_new(staged: Path, place: Path) -> None:
     except FileExistsError:
         raise OutputError(f"{place} exists already: it was made meanwhile", file=place) from None
     except OSError:  # a file system without hard links
+        if os.path.lexists(place):
+            raise OutputError(f"{place} exists already: it was made meanwhile", file=place) from None
         staged.replace(place)
 
 
