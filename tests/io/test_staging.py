@@ -130,14 +130,18 @@ def test_inputs_and_keys_are_never_touched_under_whatever_name(tmp_path: Path) -
     assert contents(tmp_path) == before
 
 
-def test_two_files_for_one_place_are_refused(tmp_path: Path) -> None:
+@pytest.mark.parametrize("name", ["a", "same"])
+def test_two_files_for_one_place_are_refused(tmp_path: Path, name: str) -> None:
     (tmp_path / "a").write_bytes(b"older")
     os.link(tmp_path / "a", tmp_path / "same")
-    for name in ("a", "same"):
+
+    def put_both() -> None:
         with Staging() as staging:
-            staging.put(tmp_path / "a", b"older")
-            with pytest.raises(InputError, match="two results"):
-                staging.put(tmp_path / name, b"2")
+            for place in ("a", name):
+                staging.put(tmp_path / place, b"new")
+
+    with pytest.raises(InputError, match="two results"):
+        put_both()
     assert contents(tmp_path) == {"a": b"older", "same": b"older"}
 
 

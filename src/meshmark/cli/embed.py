@@ -80,6 +80,8 @@ def embed(
 
     The certificate is a small file without the key or the surface. Keep it: with it, the mark is found in copies
     of which half is gone, and with the key it takes the mark off again.
+
+    Exit code 4: the model cannot carry what was asked, and nothing is written.
     """
     from meshmark.coding.keys import Key
     from meshmark.coding.message import parse_id
