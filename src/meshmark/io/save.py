@@ -115,18 +115,20 @@ def _checked_target(path: Path, inputs: Sequence[Path]) -> Path:
     try:
         target = Path(os.path.realpath(path))
         if target.is_dir():
-            raise OutputError(f"cannot write {path}: it is an existing directory")
+            raise OutputError(f"cannot write {path}: it is an existing directory", file=path)
         if target.exists() and not target.is_file():
-            raise OutputError(f"cannot write {path}: it is not an ordinary file")
+            raise OutputError(f"cannot write {path}: it is not an ordinary file", file=path)
         if not target.parent.is_dir():
-            raise OutputError(f"cannot write {path}: the folder {target.parent} does not exist")
+            raise OutputError(f"cannot write {path}: the folder {target.parent} does not exist", file=path)
         for other in inputs:
             if target.exists() and other.exists() and target.samefile(other):
-                raise InputError(f"cannot write {path}: it is the input, or a file that the input refers to")
+                raise InputError(
+                    f"cannot write {path}: it is the input, or a file that the input refers to", file=path
+                )
     except (OSError, ValueError) as error:
         if isinstance(error, MeshmarkError):
             raise
-        raise OutputError(f"cannot write {path}: {error}") from None
+        raise OutputError(f"cannot write {path}: {error}", file=path) from None
     return target
 
 
