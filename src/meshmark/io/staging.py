@@ -132,7 +132,10 @@ class Staging:
 
     def _take(self, place: Path, staged: Path) -> None:
         if not os.path.lexists(place):
-            _move_new(staged, place)
+            if self.replace:
+                staged.replace(place)
+            else:
+                _move_new(staged, place)
             self._undo.callback(_quietly, place.unlink)
             return
         old = staged.with_name(f"{staged.name[:80]}.old")
@@ -165,7 +168,7 @@ def refuse_place(place: Path, kept: Iterable[Path], replace: bool) -> None:
 
 
 def _move_new(staged: Path, place: Path) -> None:
-    """Move a file to a name that is free; raises `OutputError` where it was taken meanwhile."""
+    """Move a file to a free name; raises `OutputError` where it was taken meanwhile."""
     try:
         os.link(staged, place)
     except FileExistsError:
