@@ -70,14 +70,13 @@ def _shown(model: Path | None, places: Places, force: bool) -> int:
     from meshmark.schemes.ncdg_lv import extract
     from meshmark.schemes.ncdg_lv.files import embed_file
 
-    steps = _Steps()
     work, named = places.work, places.named
-    key = _key(places)
-    steps.done("Key", f"{places.out / 'demo.key'}, secret, never shown")
-
     original = _original(model, work)
     mesh = read_mesh(original)
     _refuse_taken(places, original.name, _changed_name(mesh), model, force)
+    steps = _Steps()
+    key = _key(places)
+    steps.done("Key", f"{places.out / 'demo.key'}, secret, never shown")
     size = f"{plural(len(mesh.vertices), 'vertex/vertices')}, {plural(len(mesh.faces), 'face')}"
     steps.done("Model", f"{named(original)}: {size}")
 

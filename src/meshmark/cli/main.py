@@ -108,9 +108,11 @@ class _Failure:
     def __call__(self, kind: str, sentence: str, code: int = _FAILED, file: str | None = None) -> int:
         message = " ".join(sentence.split())
         if self.as_json:
-            with contextlib.suppress(BrokenPipeError):
+            try:
                 answer("", {"error": {"kind": kind, "message": message, "file": file}}, as_json=True)
                 sys.stdout.flush()
+            except BrokenPipeError:
+                _reader_gone()
         say(f"meshmark: {message}")
         return code
 
