@@ -238,7 +238,7 @@ def test_a_payload_that_does_not_fit_is_refused_with_what_does(cli, files, tmp_p
     (tmp_path / "long").write_bytes(bytes(100_000))
     arguments = ("--layers", "authentication", "--payload", tmp_path / "long")
     ran = cli("embed", files.model, tmp_path / "out.ply", "--key", files.key, *arguments)
-    assert ran.code == 2
+    assert ran.code == 4
     assert re.search(r"100,000 bytes, expected at most [\d,]+", ran.err)
     assert len(ran.err.splitlines()) == 1
     assert not (tmp_path / "out.ply").exists()
