@@ -116,6 +116,7 @@ def test_the_page_is_complete_in_itself_and_names_every_region(cli, files, edite
     page = (tmp_path / "page.html").read_text(encoding="utf-8")
     found = only_object(ran.out)
     assert "<h1>Altered</h1>" in page
+    assert "chance of such marks below 10<sup>−77</sup>, that of guessing the key" in page
     assert "<b>.ply" not in page
     assert not re.search(r"""(src|href)=["'](?!data:)""", page)
     assert not re.search(r"url\(|@import|<script", page)
