@@ -18,7 +18,7 @@ $(VENV)/.stamp: pyproject.toml constraints.txt
 	@touch $@
 
 demo: setup  ## the whole way on one model, into demo-out/
-	$(BIN)/meshmark demo --out demo-out
+	$(BIN)/meshmark demo --out demo-out --force
 
 test: setup  ## all tests, in a process on each core (four at most)
 	$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist loadfile

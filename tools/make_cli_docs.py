@@ -16,8 +16,9 @@ INTRODUCTION = """# The command line
 Made by `make docs` from the program's own help; do not edit.
 
 - `--json` prints exactly one JSON object on standard output; all else goes to standard error.
-- Exit codes: 0 done, or the answer is yes; 1 the answer is no; 2 bad usage or bad input, with one line on
-  standard error; 3 inconclusive.
+- Exit codes: 0 done, or the answer is yes; 1 the answer is no; 2 bad usage or bad input; 3 inconclusive; 4 the
+  model cannot carry what was asked. 2 and 4 come with one line on standard error, with `--json` with an object too.
+- No existing file is replaced without `--force`; inputs and keys never are.
 - `MESHMARK_DEBUG=1` in the environment shows the traceback of an unexpected error.
 """
 

@@ -76,5 +76,5 @@ def test_without_matplotlib_there_are_reports_without_plots(tmp_path, monkeypatc
 def test_a_folder_that_cannot_be_written_is_named(tmp_path, monkeypatch):
     (tmp_path / "file").write_text("")
     monkeypatch.setattr(module, "has_matplotlib", lambda: False)
-    with pytest.raises(OutputError, match=r"cannot write .*file"):
+    with pytest.raises(OutputError, match=r"cannot make the folder .*file"):
         write_reports(ROWS[:40], FACTS, tmp_path / "file")

@@ -22,6 +22,7 @@ class Ran(NamedTuple):
     code: int
     out: str
     err: str
+    as_json: bool = False
 
 
 Run = Callable[..., Ran]
@@ -34,7 +35,7 @@ def cli(capsys: pytest.CaptureFixture[str]) -> Run:
     def run(*arguments: object) -> Ran:
         capsys.readouterr()
         code = main([str(argument) for argument in arguments])
-        return Ran(code, *capsys.readouterr())
+        return Ran(code, *capsys.readouterr(), as_json="--json" in arguments)
 
     return run
 

@@ -1,8 +1,9 @@
-"""What every refusal has in common: one sentence, exit code 2, nothing changed."""
+"""What every refusal has in common: one sentence, exit code 2 or 4, nothing changed."""
 
 from __future__ import annotations
 
 import hashlib
+import json
 from pathlib import Path
 
 
@@ -16,14 +17,20 @@ def snapshot(folder: Path) -> dict[str, str]:
     }
 
 
-def assert_refused(ran, folder: Path, before: dict[str, str]) -> None:
-    """One sentence on standard error, exit code 2, and nothing changed."""
-    assert ran.code == 2, ran
-    assert ran.out == ""
+def assert_refused(ran, folder: Path, before: dict[str, str], codes: tuple[int, ...] = (2,)) -> None:
+    """One sentence on standard error, with --json the same in an object, an exit code, and nothing changed."""
+    assert ran.code in codes, ran
     lines = ran.err.splitlines()
     assert len(lines) == 1, ran.err
     assert lines[0].startswith("meshmark: ")
     assert len(lines[0]) > 25
     assert "Traceback" not in ran.err
     assert "bug in meshmark" not in ran.err
+    if ran.as_json:
+        told = json.loads(ran.out)
+        assert told.keys() == {"error"}
+        assert told["error"].keys() == {"kind", "message", "file"}
+        assert lines[0] == f"meshmark: {told['error']['message']}"
+    else:
+        assert ran.out == ""
     assert snapshot(folder) == before

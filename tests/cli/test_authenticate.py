@@ -14,6 +14,7 @@ from PIL import Image
 from test_commands import only_object
 
 import meshmark as mm
+from meshmark.coding.keys import LOG10_GUESS
 
 FIELDS = {
     "verdict", "altered_vertices", "altered_area_fraction", "regions", "payload", "log10_false_positive", "seconds",
@@ -78,7 +79,7 @@ def test_an_untouched_model_is_authentic(cli, files, tmp_path):
     assert (ran.code, ran.err) == (0, "")
     assert found.keys() >= FIELDS
     assert (found["verdict"], found["altered_vertices"], found["payload"]) == ("authentic", 0, "recovered")
-    assert found["log10_false_positive"] < -100
+    assert found["log10_false_positive"] == LOG10_GUESS, "no bound is below that of guessing the key"
     assert found["regions"]
     assert all(region.keys() >= REGION for region in found["regions"])
     assert {region["verdict"] for region in found["regions"]} == {"intact"}
@@ -94,7 +95,8 @@ def test_an_edited_model_is_altered_and_the_map_shows_where(cli, files, edited, 
     )  # fmt: skip
     assert (ran.code, ran.err) == (1, "")
     assert re.match(
-        r"Altered: .*: top.*, [\d.]+ % of the surface\. Chance .* below 10\^-\d+\.$", ran.out.strip()
+        r"Altered: .*: top.*, [\d.]+ % of the surface\. Chance .* below 10\^-77, that of guessing the key\.$",
+        ran.out.strip(),
     )
     positions, colours, altered = read_map(tmp_path / "map.ply")
     assert np.array_equal(positions, mm.read_mesh(edited.path).vertices)
@@ -114,6 +116,7 @@ def test_the_page_is_complete_in_itself_and_names_every_region(cli, files, edite
     page = (tmp_path / "page.html").read_text(encoding="utf-8")
     found = only_object(ran.out)
     assert "<h1>Altered</h1>" in page
+    assert "chance of such marks below 10<sup>−77</sup>, that of guessing the key" in page
     assert "<b>.ply" not in page
     assert not re.search(r"""(src|href)=["'](?!data:)""", page)
     assert not re.search(r"url\(|@import|<script", page)
@@ -179,18 +182,22 @@ def test_an_image_comes_back_byte_for_byte(cli, files, sealed, tmp_path):
     assert "Nothing was altered" in ran.out
 
 
-def test_extract_says_that_there_are_marks_of_authentication_only(cli, files, sealed):
+def test_extract_answers_with_the_id_of_marks_of_authentication_alone(cli, files, sealed, tmp_path):
     line = ("extract", sealed / "sealed.ply", "--key", files.key)
     ran, told = cli(*line), cli(*line, "--json")
     identity = only_object(cli("authenticate", *line[1:], "--json").out)["id"]
-    assert (ran.code, told.code) == (1, 1)
-    assert ran.out.startswith(
-        f"No ownership mark of this key in {line[1]}, but authentication marks of this key are there, with the id "
-        f"{identity}: `meshmark authenticate` reads them."
-    )
+    assert (ran.code, told.code) == (0, 0)
+    assert ran.out.startswith(f"Present: {line[1]} carries the id {identity}; ")
     found = only_object(told.out)
-    assert (found["presence"], found["id"]) == ("absent", None)
-    assert found["advice"].startswith("No ownership mark was found, but authentication marks of this key")
+    assert (found["presence"], found["id"]) == ("present", identity)
+    assert found["advice"].startswith(
+        "The id was read from the authentication marks; the ownership mark was not found."
+    )
+    assert [(entry["layer"], entry["id"]) for entry in found["evidence"]] == [("authentication", identity)]
+    assert found["evidence"][0]["log10_false_positive"] <= found["log10_false_positive"] < -9
+    mm.Key(b"another key of thirty-two bytes!").save(tmp_path / "b.key")
+    other = cli(*line[:2], "--key", tmp_path / "b.key", "--json")
+    assert (other.code, only_object(other.out)["evidence"]) == (1, [])
 
 
 def test_a_payload_that_is_not_there_is_not_passed_over(cli, files, tmp_path):
@@ -232,7 +239,7 @@ def test_a_payload_that_does_not_fit_is_refused_with_what_does(cli, files, tmp_p
     (tmp_path / "long").write_bytes(bytes(100_000))
     arguments = ("--layers", "authentication", "--payload", tmp_path / "long")
     ran = cli("embed", files.model, tmp_path / "out.ply", "--key", files.key, *arguments)
-    assert ran.code == 2
+    assert ran.code == 4
     assert re.search(r"100,000 bytes, expected at most [\d,]+", ran.err)
     assert len(ran.err.splitlines()) == 1
     assert not (tmp_path / "out.ply").exists()

@@ -104,7 +104,6 @@ def test_no_space_for_the_output(files, tmp_path, command):
 @pytest.mark.parametrize(
     "line",
     [
-        (),
         ("nonsense",),
         ("embed",),
         ("embed", "a", "b"),
@@ -140,6 +139,7 @@ def test_no_space_for_the_output(files, tmp_path, command):
 )
 def test_bad_usage_is_one_line(cli, tmp_path, line):
     assert_refused(cli(*line), tmp_path, {})
+    assert_refused(cli(line[0], "--json", *line[1:]), tmp_path, {})
 
 
 @pytest.mark.parametrize("identity", ["", "12", "0123456789abcdeg", "0x23456789abcdef", "0123456789abcdef0"])

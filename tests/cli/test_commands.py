@@ -23,7 +23,7 @@ EMBED = {
 }  # fmt: skip
 EXTRACT = {
     "presence", "id", "log10_false_positive", "mode", "carriers", "carriers_agreeing", "lock_score", "advice",
-    "seconds",
+    "seconds", "evidence",
 }  # fmt: skip
 COMPARE = {
     "rms_over_diagonal", "max_over_diagonal", "mrms_over_diagonal", "hausdorff_over_diagonal", "psnr_db",
@@ -120,6 +120,9 @@ def test_extract_reads_the_id_and_exits_with_0(cli, files):
     assert found.keys() >= EXTRACT
     assert (found["presence"], found["id"], found["mode"]) == ("present", IDENTITY, "blind")
     assert found["log10_false_positive"] < -6
+    assert found["evidence"] == [
+        {"layer": "cells", "id": IDENTITY, "log10_false_positive": found["log10_false_positive"]}
+    ]
     assert IDENTITY in cli("extract", files.marked, "--key", files.key).out
 
 
@@ -143,7 +146,7 @@ def test_extract_that_cannot_tell_exits_with_3(cli, files, monkeypatch):
     sure = scheme.extract(mm.read_mesh(files.marked), mm.Key.load(files.key))
     unsure = replace(sure, presence="inconclusive", id=None, advice="The model is too small.")
     monkeypatch.setattr(scheme, "extract", lambda *_, **__: unsure)
-    ran = cli("extract", files.marked, "--key", files.key)
+    ran = cli("extract", files.model, "--key", files.key)
     assert ran.code == 3
     assert ran.out.startswith("Inconclusive")
     assert "too small" in ran.out
@@ -163,7 +166,7 @@ def test_compare_gives_the_fields_of_the_contract(cli, files, small):
     assert fields.keys() >= COMPARE
     assert fields["rms_over_diagonal"] == pytest.approx(files.printed["rms_over_diagonal"], rel=1e-6)
     assert fields["psnr_db"] == pytest.approx(files.printed["psnr_db"], abs=1e-4)
-    assert None not in fields.values()
+    assert None not in [fields[name] for name in COMPARE]
     words = cli("compare", small, small).out
     assert {line.split("  ")[0] for line in words.splitlines()} == {
         "vertices, RMS", "vertices, largest", "surfaces, RMS", "surfaces, largest", "PSNR", "PSNR, paper",
@@ -261,7 +264,7 @@ def test_the_certificate_needs_a_name_of_its_own(tmp_path, cli):
     mm.write_mesh(mm.Mesh(*pebble(24)), model)
     cli("keygen", key)
     for name, words in (
-        (marked, "expected two names"),
+        (marked, "expected different names"),
         (model, "is also an input"),
         (key, "is also an input"),
     ):

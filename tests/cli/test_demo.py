@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
+from refusals import assert_refused, snapshot
 
 import meshmark as mm
 from meshmark.cli.demo import NOISE, SCALE, travelled
@@ -58,7 +59,11 @@ def test_the_id_comes_back_from_the_changed_copy(cli, folder, monkeypatch):
 def test_another_model_and_a_second_time_in_the_same_folder(cli, folder, tmp_path):
     mm.write_mesh(mm.read_mesh(folder / "original.ply"), tmp_path / "other.v2.glb")
     key = (folder / "demo.key").read_bytes()
-    ran = cli("demo", tmp_path / "other.v2.glb", "--out", folder)
+    before = snapshot(folder)
+    refused = cli("demo", tmp_path / "other.v2.glb", "--out", folder)
+    assert_refused(refused, folder, before)
+    assert "half.ply exists already" in refused.err
+    ran = cli("demo", tmp_path / "other.v2.glb", "--out", folder, "--force")
     assert ran.code == 0, ran
     assert {"original.glb", "marked.glb", "changed.obj"} <= {path.name for path in folder.iterdir()}
     assert (folder / "demo.key").read_bytes() == key
@@ -90,7 +95,7 @@ def test_the_demo_fails_where_the_id_does_not_come_back(cli, folder, other, monk
     true = scheme.extract(mm.read_mesh(folder / "changed.glb"), mm.Key.load(folder / "demo.key"))
     wrong = replace(true, presence=presence, id=1 if presence == "present" else None)
     monkeypatch.setattr(scheme, "extract", lambda *_, **__: wrong)
-    ran = cli("demo", other, "--out", folder)
+    ran = cli("demo", other, "--out", folder, "--force")
     assert ran.code == code
     assert "did not come back" in ran.out
 

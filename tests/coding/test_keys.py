@@ -6,12 +6,13 @@ import hashlib
 import hmac
 import json
 import pickle
+import re
 import stat
 from pathlib import Path
 
 import pytest
 
-from meshmark.coding.keys import Key
+from meshmark.coding.keys import Key, is_key_file
 from meshmark.errors import InputError, KeyFileError, OutputError
 
 SECRET = bytes(range(32))
@@ -144,3 +145,24 @@ def test_a_subkey_is_the_documented_hmac() -> None:
     assert len({Key(SECRET).subkey(p) for p in ("a", "b", "ab", "a\0")}) == 4
     with pytest.raises(InputError, match="purpose"):
         Key(SECRET).subkey("")
+
+
+def test_the_fingerprint_names_the_key_in_public_and_tells_nothing_of_it() -> None:
+    key = Key(SECRET)
+    assert key.fingerprint == Key(SECRET).fingerprint == key.subkey("public fingerprint")[:8].hex()
+    assert re.fullmatch("[0-9a-f]{16}", key.fingerprint)
+    assert key.fingerprint not in HEX
+    assert len({Key(bytes([n]) * 32).fingerprint for n in range(100)}) == 100
+
+
+def test_a_key_file_is_known_by_its_first_line(tmp_path: Path) -> None:
+    Key(SECRET).save(tmp_path / "a.key")
+    (tmp_path / "broken").write_text("meshmark key 1\nnothing\n")
+    (tmp_path / "none").write_text("meshmark keys")
+    assert [is_key_file(tmp_path / name) for name in ("a.key", "broken", "none", "absent", ".")] == [
+        True,
+        True,
+        False,
+        False,
+        False,
+    ]

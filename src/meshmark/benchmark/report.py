@@ -16,11 +16,27 @@ from meshmark.benchmark.page import page
 from meshmark.benchmark.plots import plots
 from meshmark.benchmark.row import Row
 from meshmark.benchmark.sections import sections
+from meshmark.benchmark.store import NAME
 from meshmark.errors import OutputError
+from meshmark.io import Staging
 
-__all__ = ["write_reports"]
+__all__ = ["refuse_folder", "write_reports"]
 
 _PICTURES = "plots"
+_REPORTS = ("report.html", "report.md", "results.csv", "summary.csv")
+# What a run puts into its folder beside its store.
+_OURS = (*_REPORTS, _PICTURES, "marked", "models")
+
+
+def refuse_folder(folder: Path) -> None:
+    """Raise `OutputError` for a folder that is of no run, but holds files that a run would write over."""
+    taken = [name for name in _OURS if (folder / name).exists()]
+    if taken and not (folder / NAME).exists():
+        raise OutputError(
+            f"{folder / taken[0]} exists already and no run of a benchmark made it, expected another --out, or "
+            "--force to replace it",
+            file=folder / taken[0],
+        )
 
 
 def write_reports(
@@ -37,15 +53,15 @@ def write_reports(
     drawn = plots(ordered) if has_matplotlib() else {}
     parts = sections(ordered, facts, drawn, probes)
     shown = [part for section in parts for part in section.parts if isinstance(part, Plot)]
-    for name, svg in _pictures(shown):
-        _write(folder / _PICTURES / f"{name}.svg", svg + "\n")
     texts = {
         "report.html": page(title, parts, facts),
         "report.md": markdown(title, parts, facts.command, _PICTURES),
         "results.csv": results_csv(ordered),
         "summary.csv": summary_csv(robustness(ordered)),
     }
-    return [_write(folder / name, text) for name, text in texts.items()]
+    drawings = {f"{_PICTURES}/{name}.svg": svg + "\n" for name, svg in _pictures(shown)}
+    _write(folder, texts | drawings)
+    return [folder / name for name in texts]
 
 
 def _pictures(drawn: Sequence[Plot]) -> Iterator[tuple[str, str]]:
@@ -58,10 +74,12 @@ def _pictures(drawn: Sequence[Plot]) -> Iterator[tuple[str, str]]:
             yield name, legend(name, plot.legend)
 
 
-def _write(path: Path, text: str) -> Path:
+def _write(folder: Path, texts: Mapping[str, str]) -> None:
+    """Write all files of a report, or none, in place of those of an earlier start."""
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, encoding="utf-8")
+        folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise OutputError(f"cannot write {path}: {error.strerror or error}") from None
-    return path
+        raise OutputError(f"cannot make the folder {folder}: {error.strerror}", file=folder) from None
+    with Staging() as staging:
+        for name, text in texts.items():
+            staging.put(folder / name, text.encode("utf-8"), folder)

@@ -4,18 +4,20 @@ from __future__ import annotations
 
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
-from meshmark.cli.options import AsJson
-from meshmark.cli.output import answer, plural, say
-from meshmark.cli.paths import check_output, naming
+from meshmark.cli.models import named, read_model
+from meshmark.cli.options import AsJson, Force, ModelFormat, ModelFormatIn
+from meshmark.cli.output import answer, described, plural, say
+from meshmark.cli.paths import naming, staged, written_beside
 from meshmark.cli.progress import progress
 from meshmark.errors import InputError
 
 if TYPE_CHECKING:
     from meshmark.attacks import Attacked, Chain
+    from meshmark.io import Staging
     from meshmark.mesh import Mesh
 
 __all__ = ["attack"]
@@ -26,7 +28,8 @@ _INDENT = 16
 
 def attack(
     model: Annotated[
-        Path | None, typer.Argument(metavar="IN", help="Model to attack; it stays as it is.")
+        Path | None,
+        typer.Argument(metavar="IN", help="Model to attack; it stays as it is. - for standard input."),
     ] = None,
     out: Annotated[
         Path | None,
@@ -61,6 +64,8 @@ def attack(
             help="Also write each vertex's number before, and whether a local edit made it.",
         ),
     ] = None,
+    format: ModelFormatIn = None,
+    force: Force = False,
     as_list: Annotated[bool, typer.Option("--list", help="List the attacks and exit.")] = False,
     as_json: AsJson = False,
 ) -> int:
@@ -77,17 +82,27 @@ def attack(
     chain = _chain(name, strength)
     used = others or []
     _check_needs(chain, used)
-    check_output(out, [model, *used])
-    if map_out is not None:
-        check_output(map_out, [model, out, *used], ".csv")
-    fields = _attacked(model, out, chain, seed, used, map_out)
+    staging = staged([(out, None), (map_out, ".csv")], [model, *used], force)
+    job = _Job(model, format, out, map_out, used, staging)
+    fields = _attacked(job, chain, seed)
     words = (
-        f"Attacked: {model} -> {out}; {chain}, seed {seed}; "
+        f"Attacked: {named(model)} -> {out}; {chain}, seed {seed}; "
         f"{plural(fields['vertices'], 'vertex/vertices')} (before: {fields['vertices_before']:,}), "
         f"{plural(fields['faces'], 'face')} (before: {fields['faces_before']:,})"
     )
-    answer(words, fields, as_json)
+    answer(words, described(fields, model, {"model": out, "map": map_out}), as_json)
     return 0
+
+
+class _Job(NamedTuple):
+    """The files of one attack."""
+
+    model: Path
+    format: ModelFormat | None
+    out: Path
+    map_out: Path | None
+    others: list[Path]
+    staging: Staging
 
 
 def _chain(name: str, strength: float | None) -> Chain:
@@ -109,28 +124,27 @@ def _check_needs(chain: Chain, others: list[Path]) -> None:
         raise InputError(f"{chain} takes from other marked models, expected --with MODEL")
 
 
-def _attacked(
-    model: Path, out: Path, chain: Chain, seed: int, others: list[Path], map_out: Path | None
-) -> dict[str, Any]:
+def _attacked(job: _Job, chain: Chain, seed: int) -> dict[str, Any]:
     import numpy as np
 
     from meshmark.attacks import Given
-    from meshmark.io import check_extension, read_mesh, uncompressed, write_mesh
+    from meshmark.io import check_extension, uncompressed, write_mesh
 
-    check_extension(out, model)
+    check_extension(job.out, job.model)
     start = perf_counter()
-    mesh = read_mesh(model)
-    copies = tuple(read_mesh(other) for other in others)
-    with progress("attacking"), naming(model, *others):
+    mesh = read_model(job.model, job.format, job.staging)
+    copies = tuple(read_model(other, None, job.staging) for other in job.others)
+    own = mesh.document.format if mesh.document else None
+    with progress("attacking"), naming(named(job.model), *job.others), job.staging:
         result = chain.apply(mesh, np.random.default_rng(seed), Given(copies, next(iter(copies), None)))
-        report = write_mesh(result.mesh, out, default=mesh.document.format if mesh.document else None)
-    for remark in uncompressed(report, out):
+        report = write_mesh(result.mesh, job.out, default=own, staging=job.staging)
+        if job.map_out is not None:
+            _write_map(result, job.map_out, job.staging)
+    for remark in uncompressed(report, job.out):
         say(f"meshmark: {remark}")
     lost = _lost(mesh) if result.mesh.document is None else report.dropped
     if lost:
-        say(f"meshmark: {out.name} does not hold the model's {', '.join(lost)}")
-    if map_out is not None:
-        _write_map(result, map_out)
+        say(f"meshmark: {job.out.name} does not hold the model's {', '.join(lost)}")
     return {
         "attack": str(chain),
         "seed": seed,
@@ -141,6 +155,7 @@ def _attacked(
         "kept_vertices": None if result.origin is None else int((result.origin >= 0).sum()),
         "altered_vertices": None if result.altered is None else int(result.altered.sum()),
         "dropped": list(lost),
+        "side_files": written_beside(job.staging, [job.out, job.map_out]),
         "seconds": perf_counter() - start,
     }
 
@@ -158,17 +173,15 @@ def _lost(mesh: Mesh) -> tuple[str, ...]:
     return (*(word for word, values in fields.items() if values is not None), *held.other)
 
 
-def _write_map(result: Attacked, path: Path) -> None:
+def _write_map(result: Attacked, path: Path, staging: Staging) -> None:
     import numpy as np
-
-    from meshmark.io.whole import write_whole
 
     count = len(result.mesh.vertices)
     origin = np.full(count, -1) if result.origin is None else result.origin
     altered = np.zeros(count, bool) if result.altered is None else result.altered
     rows = zip(range(count), origin.tolist(), altered.astype(int).tolist(), strict=True)
     lines = ["vertex,origin,altered", *(f"{vertex},{before},{edited}" for vertex, before, edited in rows)]
-    write_whole(path, ("\n".join(lines) + "\n").encode("ascii"))
+    staging.put(path, ("\n".join(lines) + "\n").encode("ascii"))
 
 
 def _list(as_json: bool) -> None:
@@ -185,7 +198,7 @@ def _list(as_json: bool) -> None:
         }
         for name, entry in ATTACKS.items()
     ]
-    answer("\n".join(_described(entry) for entry in entries), {"attacks": entries}, as_json)
+    answer("\n".join(_described(entry) for entry in entries), described({"attacks": entries}), as_json)
 
 
 def _described(entry: dict[str, Any]) -> str:

@@ -7,14 +7,15 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from meshmark.cli.options import AsJson, CertificateIn, KeyFile, ModelIn, OriginalIn
-from meshmark.cli.output import answer, say
-from meshmark.cli.paths import check_output, naming
+from meshmark.cli.models import named, read_model
+from meshmark.cli.options import AsJson, CertificateIn, Force, KeyFile, ModelFormatIn, ModelIn, OriginalIn
+from meshmark.cli.output import answer, described, say
+from meshmark.cli.paths import naming, staged
 from meshmark.cli.progress import progress
 from meshmark.cli.references import check_references, load_reference
-from meshmark.errors import InputError
 
 if TYPE_CHECKING:
+    from meshmark.io import Staging
     from meshmark.mesh import Mesh
     from meshmark.schemes.ncdg_lv import Authentication
 
@@ -47,6 +48,8 @@ def authenticate(
             metavar="OUT", help="Also write the payload: the file as it was, or a miniature as a model."
         ),
     ] = None,
+    format: ModelFormatIn = None,
+    force: Force = False,
     as_json: AsJson = False,
 ) -> int:
     """Say whether, and where, a model was changed since marking.
@@ -58,56 +61,52 @@ def authenticate(
     or only the id is there, which does not tell whether the model was changed.
     """
     from meshmark.coding.keys import Key
-    from meshmark.io import read_mesh
 
     check_references(certificate, original)
-    inputs = [path for path in (model, key, certificate, original) if path is not None]
-    _check_outputs({map_: ".ply", report: ".html", payload: None}, inputs)
+    outputs = [(map_, ".ply"), (report, ".html"), (payload, None)]
+    staging = staged(outputs, [model, key, certificate, original], force)
     secret = Key.load(key)
-    mesh = read_mesh(model)
-    reference = load_reference(certificate, original)
+    mesh = read_model(model, format, staging)
+    reference = load_reference(certificate, original, staging)
     from meshmark.schemes.ncdg_lv import authenticate as judge
 
-    with progress("checking the marks"), naming(model):
+    with progress("checking the marks"), naming(named(model)):
         found = judge(mesh, secret, reference=reference)
-    complete = _write(found, mesh, model, map_, report, payload)
-    told = found.to_dict() if as_json else {}
-    answer(f"{_WORDS[found.verdict]}: {model}. {found.advice}{_chance(found)}", told, as_json)
+    with staging:
+        if map_ is not None:
+            _write_map(mesh, found, map_, staging)
+        if report is not None:
+            _write_page(mesh, found, named(model).name, report, staging)
+        complete = payload is None or _write_payload(found, payload, staging)
+    answer(
+        f"{_WORDS[found.verdict]}: {named(model)}. {found.advice}{_chance(found)}",
+        described(
+            found.to_dict() if as_json else {},
+            model,
+            {"map": map_, "report": report, "payload": payload if complete else None},
+            secret,
+        ),
+        as_json,
+    )
     return VERDICT_CODES[found.verdict] or (0 if complete else 1)
 
 
-def _check_outputs(outputs: dict[Path | None, str | None], inputs: list[Path]) -> None:
-    given = [path for path in outputs if path is not None]
-    for path in given:
-        check_output(path, inputs, outputs[path])
-    if len({path.resolve() for path in given}) < len(given):
-        raise InputError("two results are to go to one file, expected different names")
+def _write_map(mesh: Mesh, found: Authentication, path: Path, staging: Staging) -> None:
+    from meshmark.report.tamper_map import write_tamper_map
+
+    write_tamper_map(mesh, found.altered, path, staging)
 
 
-def _write(
-    found: Authentication,
-    mesh: Mesh,
-    model: Path,
-    map_: Path | None,
-    report: Path | None,
-    payload: Path | None,
-) -> bool:
-    """Write what is asked for, and return whether all of it was there."""
-    if map_ is not None:
-        from meshmark.report.tamper_map import write_tamper_map
+def _write_page(mesh: Mesh, found: Authentication, name: str, path: Path, staging: Staging) -> None:
+    from meshmark.report.authentication import write_authentication_page
 
-        write_tamper_map(mesh, found.altered, map_)
-    if report is not None:
-        from meshmark.report.authentication import write_authentication_page
-
-        with progress("drawing"):
-            write_authentication_page(mesh, found, model.name, report)
-    return payload is None or _write_payload(found, payload)
+    with progress("drawing"):
+        write_authentication_page(mesh, found, name, path, staging)
 
 
-def _write_payload(found: Authentication, path: Path) -> bool:
+def _write_payload(found: Authentication, path: Path, staging: Staging) -> bool:
+    """Write the payload, and return whether there was one."""
     from meshmark.io import write_mesh
-    from meshmark.io.whole import write_whole
     from meshmark.mesh import Mesh
     from meshmark.recovery.miniature import read_miniature
 
@@ -116,13 +115,15 @@ def _write_payload(found: Authentication, path: Path) -> bool:
         say(f"meshmark: {path} is not written: no payload was recovered, {why}")
         return False
     if found.content.kind == "miniature":
-        write_mesh(Mesh(*read_miniature(found.content.content)), path)
+        write_mesh(Mesh(*read_miniature(found.content.content)), path, staging=staging)
     else:
-        write_whole(path, found.content.content)
+        staging.put(path, found.content.content)
     return True
 
 
 def _chance(found: Authentication) -> str:
+    from meshmark.coding.chance import in_words
+
     if found.verdict not in ("authentic", "altered"):
         return ""
-    return f" Chance of such marks without the key below 10^{found.log10_false_positive:.0f}."
+    return f" Chance of such marks without the key {in_words(found.log10_false_positive)}."

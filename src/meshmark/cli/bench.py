@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from meshmark.cli.options import AsJson
-from meshmark.cli.output import answer, plural, say
+from meshmark.cli.options import AsJson, Force
+from meshmark.cli.output import answer, described, plural, say
 from meshmark.cli.progress import counted
 from meshmark.errors import InputError
 
@@ -54,19 +54,24 @@ def bench(
         float | None,
         typer.Option(metavar="H", help="Begin no further model after so long; go on another time."),
     ] = None,
+    force: Force = False,
     as_json: AsJson = False,
 ) -> int:
     """Measure schemes on models under attacks.
 
     Results go to DIR/results.sqlite as they come. The same command goes on where an earlier one was cut off, and
     repeats nothing. At the end tables and plots are written to DIR. What fails is a row, not an end.
+    A DIR without results, but with files of the names to be written, is refused without --force.
     """
+    from meshmark.benchmark.report import refuse_folder
     from meshmark.benchmark.run import Plan, run
 
     names = None if schemes is None else tuple(name.strip() for name in schemes.split(",") if name.strip())
     if names == ():
         raise InputError("--schemes names no scheme, expected at least one")
     plan = Plan(suite, data, out, names, limit, seed, workers, time_limit, hours)
+    if not force:
+        refuse_folder(out)
     try:
         with counted("cases") as told:
             finished = run(plan, told)
@@ -78,7 +83,8 @@ def bench(
     if finished.left:
         say(f"meshmark: {plural(finished.left, 'case')} left; the same command goes on with them")
     reports = _reports(finished, out)
-    answer(_words(finished, reports), _fields(finished, reports), as_json)
+    outputs = {path.name: path for path in reports}
+    answer(_words(finished, reports), described(_fields(finished, reports), data, outputs), as_json)
     return 0
 
 

@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from meshmark.cli.options import AsJson
-from meshmark.cli.output import answer, percent
-from meshmark.cli.paths import naming
+from meshmark.cli.models import named, read_model
+from meshmark.cli.options import AsJson, ModelFormatIn
+from meshmark.cli.output import answer, described, percent
+from meshmark.cli.paths import STANDARD_INPUT, naming
+from meshmark.errors import InputError
 
 if TYPE_CHECKING:
     from meshmark.metrics import Comparison
@@ -21,6 +23,7 @@ __all__ = ["compare"]
 def compare(
     a: Annotated[Path, typer.Argument(metavar="A", help="The model to compare with, such as the original.")],
     b: Annotated[Path, typer.Argument(metavar="B", help="The model to judge, such as the marked one.")],
+    format: ModelFormatIn = None,
     as_json: AsJson = False,
 ) -> int:
     """Measure how far apart two models are.
@@ -31,15 +34,20 @@ def compare(
     to one who knows A, 0 to 1. Normals: the mean angle between them at matched points.
     PSNR is that of the vertices, or where the counts differ, of the surfaces.
     """
-    from meshmark.io import read_mesh
-
-    first, second = read_mesh(a), read_mesh(b)
+    if a == b == STANDARD_INPUT:
+        raise InputError(
+            "only one of the two models can come from standard input, expected a file for the other"
+        )
+    piped = STANDARD_INPUT in (a, b)
+    first, second = (
+        read_model(path, None if piped and path != STANDARD_INPUT else format) for path in (a, b)
+    )
     from meshmark.metrics import compare as measure
 
-    with naming(a, b):
+    with naming(named(a), named(b)):
         result = measure(first, second)
     counts = len(first.vertices), len(second.vertices)
-    answer(_words(result, counts), result.to_dict(), as_json)
+    answer(_words(result, counts), described(result.to_dict(), [a, b]), as_json)
     return 0
 
 

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import sys
 import time
+from contextlib import suppress
 from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from meshmark.cli.demo_damage import damage
+from meshmark.cli.demo_damage import Places, damage
 from meshmark.cli.extract import EXIT_CODES
+from meshmark.cli.options import Force
 from meshmark.cli.output import answer, percent, plural, say
-from meshmark.cli.paths import make_folder
+from meshmark.cli.paths import check_output, make_folder
 from meshmark.cli.progress import progress
 
 if TYPE_CHECKING:
@@ -36,13 +38,31 @@ def demo(
     out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder for the files.")] = Path(
         "meshmark-demo"
     ),
+    force: Force = False,
 ) -> int:
     """Show the whole way on one model.
 
     Mark it; turn, resize, move and roughen it; save it in another format; and read the id back. Saw it in half and
     read the id with its certificate. Edit it, find what was altered, and bring that back.
-    Leaves the key, the models, a page and a picture in DIR. Exit code 0: the id came back.
+    Leaves the key, the models, a page and a picture in DIR, all of them at the end; a key that is there already is
+    used. Exit code 0: the id came back.
     """
+    from meshmark.io import Staging
+
+    made = not out.exists()
+    make_folder(out)
+    try:
+        with Staging(force, [] if model is None else [model]) as staging:
+            return _shown(model, Places(out, staging.folder(out)), force)
+    except BaseException:
+        if made:
+            with suppress(OSError):
+                out.rmdir()
+        raise
+
+
+def _shown(model: Path | None, places: Places, force: bool) -> int:
+    from meshmark.coding.chance import in_words
     from meshmark.coding.keys import Key
     from meshmark.coding.message import format_id
     from meshmark.io import read_mesh, write_mesh
@@ -50,15 +70,15 @@ def demo(
     from meshmark.schemes.ncdg_lv import extract
     from meshmark.schemes.ncdg_lv.files import embed_file
 
-    steps = _Steps()
-    make_folder(out)
-    key = _key(out / "demo.key")
-    steps.done("Key", f"{out / 'demo.key'}, secret, never shown")
-
-    original = _original(model, out)
+    work, named = places.work, places.named
+    original = _original(model, work)
     mesh = read_mesh(original)
+    _refuse_taken(places, original.name, _changed_name(mesh), model, force)
+    steps = _Steps()
+    key = _key(places)
+    steps.done("Key", f"{places.out / 'demo.key'}, secret, never shown")
     size = f"{plural(len(mesh.vertices), 'vertex/vertices')}, {plural(len(mesh.faces), 'face')}"
-    steps.done("Model", f"{original}: {size}")
+    steps.done("Model", f"{named(original)}: {size}")
 
     marked = original.with_name(original.name.replace("original", "marked", 1))
     with progress("marking"):
@@ -66,22 +86,23 @@ def demo(
     identity = format_id(embedded.id)
     steps.done(
         "Marked",
-        f"{marked}: id {identity} in {embedded.carriers} places{_upper(embedded)}; moved "
+        f"{named(marked)}: id {identity} in {embedded.carriers} places{_upper(embedded)}; moved "
         f"{percent(embedded.rms_over_diagonal)} of the diagonal RMS; read back and verified",
     )
 
-    changed = out / _changed_name(mesh)
+    changed = work / _changed_name(mesh)
     away = travelled(read_mesh(marked))
     write_mesh(away, changed)
     steps.done(
-        "Changed", f"{changed}: turned, {SCALE} times as large, moved, {percent(NOISE)} noise, other format"
+        "Changed",
+        f"{named(changed)}: turned, {SCALE} times as large, moved, {percent(NOISE)} noise, other format",
     )
 
     suspect = read_mesh(changed)
     with progress("looking for the mark"):
         found = extract(suspect, key)
     back = found.id == embedded.id
-    chance = f"chance of a false alarm below 10^{found.log10_false_positive:.0f}"
+    chance = f"chance of a false alarm {in_words(found.log10_false_positive)}"
     steps.done("Read", f"with the key alone: {found.presence}{f', id {identity}; {chance}' if back else ''}")
     with progress("looking for the mark"):
         stranger = extract(suspect, Key.generate())
@@ -89,11 +110,11 @@ def demo(
 
     for remark in embedded.remarks:
         say(f"meshmark: {remark}")
-    more = damage(marked, embedded, key, out, steps.done)
-    picture = out / "demo.png"
+    more = damage(marked, embedded, key, places, steps.done)
+    picture = work / "demo.png"
     with progress("drawing"):
         demo_picture(mesh, embedded.mesh, away, picture, more)
-    steps.done("Picture", f"{picture}: all of these")
+    steps.done("Picture", f"{named(picture)}: all of these")
     answer("The id came back." if back else "The id did not come back.", {}, as_json=False)
     return 0 if back else EXIT_CODES[found.presence] or EXIT_CODES["absent"]
 
@@ -118,13 +139,24 @@ class _Steps:
         self.last = time.perf_counter()
 
 
-def _key(path: Path) -> Key:
+def _key(places: Places) -> Key:
     """Return the key of an earlier demo in the same folder, or a new one."""
     from meshmark.coding.keys import Key
 
-    if not path.exists():
-        Key.generate().save(path)
-    return Key.load(path)
+    if (places.out / "demo.key").exists():
+        return Key.load(places.out / "demo.key")
+    key = Key.generate()
+    key.save(places.work / "demo.key")
+    return key
+
+
+def _refuse_taken(places: Places, original: str, changed: str, model: Path | None, force: bool) -> None:
+    """Raise `OutputError` where a file of an earlier demo, or the model, has a name that will be needed."""
+    kinds = ("original", "marked", "edited", "recovered")
+    names = [original.replace("original", kind, 1) for kind in kinds]
+    names += [changed, "half.ply", "report.html", "demo.cert", "demo.png"]
+    for name in names:
+        check_output(places.out / name, [] if model is None else [model], force=force)
 
 
 def _changed_name(mesh: Mesh) -> str:

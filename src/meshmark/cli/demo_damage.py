@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,16 +16,29 @@ if TYPE_CHECKING:
     from meshmark.report.picture import Panel
     from meshmark.schemes.ncdg_lv import Embedding
 
-__all__ = ["bent", "damage"]
+__all__ = ["Places", "bent", "damage"]
 
 # The top of the model is pushed aside by this share of the diagonal, within that share of the diagonal around it.
 PUSH, REACH = 0.06, 0.22
 _SEED = 3
 
+
+@dataclass(frozen=True)
+class Places:
+    """out: the folder that is named; work: where its files are until all of them are made."""
+
+    out: Path
+    work: Path
+
+    def named(self, path: Path) -> Path:
+        """Return the place to which a file of the work folder goes."""
+        return self.out / path.relative_to(self.work)
+
+
 Done = Callable[[str, str], None]
 
 
-def damage(marked: Path, embedded: Embedding, key: Key, out: Path, done: Done) -> list[Panel]:
+def damage(marked: Path, embedded: Embedding, key: Key, places: Places, done: Done) -> list[Panel]:
     """Saw, read, edit, check and bring back; return what to draw of it.
 
     marked: the file that `embedded` tells of; done: takes a word and a line for each step.
@@ -39,26 +53,26 @@ def damage(marked: Path, embedded: Embedding, key: Key, out: Path, done: Done) -
     mesh = read_mesh(marked)
     sawn = ATTACKS["crop"].apply(mesh, 0.5, np.random.default_rng(_SEED))
     half, colours = sawn.mesh, vertex_colours(mesh)
-    write_mesh(half, out / "half.ply")
-    done("Sawn", f"{out / 'half.ply'}: one half, {plural(len(half.vertices), 'vertex/vertices')}")
-    _read_half(half, embedded, key, out, done)
+    write_mesh(half, places.work / "half.ply")
+    done("Sawn", f"{places.out / 'half.ply'}: one half, {plural(len(half.vertices), 'vertex/vertices')}")
+    _read_half(half, embedded, key, places, done)
     colours = None if colours is None or sawn.origin is None else colours[sawn.origin]
     shown = [Panel("sawn in half", half.vertices, half.faces, colours)]
-    return shown + (_edit(marked, mesh, key, done) if embedded.mark_vertices else [])
+    return shown + (_edit(marked, mesh, key, places, done) if embedded.mark_vertices else [])
 
 
-def _read_half(half: Mesh, embedded: Embedding, key: Key, out: Path, done: Done) -> None:
+def _read_half(half: Mesh, embedded: Embedding, key: Key, places: Places, done: Done) -> None:
     from meshmark.coding.message import format_id
     from meshmark.schemes.ncdg_lv import extract
 
-    embedded.certificate.save(out / "demo.cert")
+    embedded.certificate.save(places.work / "demo.cert")
     with progress("looking for the mark"):
         found = extract(half, key, reference=embedded.certificate)
     identity = "" if found.id is None else f", id {format_id(found.id)}"
-    done("Read", f"in the half, with {out / 'demo.cert'}: {found.presence}{identity}")
+    done("Read", f"in the half, with {places.out / 'demo.cert'}: {found.presence}{identity}")
 
 
-def _edit(marked: Path, mesh: Mesh, key: Key, done: Done) -> list[Panel]:
+def _edit(marked: Path, mesh: Mesh, key: Key, places: Places, done: Done) -> list[Panel]:
     from meshmark.io import read_mesh, write_mesh
     from meshmark.report.authentication import altered_colours, write_authentication_page
     from meshmark.report.demo import vertex_colours
@@ -67,13 +81,13 @@ def _edit(marked: Path, mesh: Mesh, key: Key, done: Done) -> list[Panel]:
 
     edited = marked.with_name(marked.name.replace("marked", "edited", 1))
     write_mesh(mesh.with_vertices(bent(mesh)), edited)
-    done("Edited", f"{edited}: its top bent")
+    done("Edited", f"{places.named(edited)}: its top bent")
     suspect = read_mesh(edited)
     with progress("checking the marks"):
         found = authenticate(suspect, key)
     page = marked.with_name("report.html")
     write_authentication_page(suspect, found, edited.name, page)
-    done("Checked", f"with the key alone: {found.verdict}; {found.advice} {page}")
+    done("Checked", f"with the key alone: {found.verdict}; {found.advice} {places.named(page)}")
     with progress("recovering"):
         whole = recover(suspect, key)
     shown = [
@@ -85,7 +99,7 @@ def _edit(marked: Path, mesh: Mesh, key: Key, done: Done) -> list[Panel]:
         return shown
     back = marked.with_name(marked.name.replace("marked", "recovered", 1))
     write_mesh(whole.mesh, back)
-    done("Recover", f"{back}: {_how_far(mesh, suspect, whole.mesh)}")
+    done("Recover", f"{places.named(back)}: {_how_far(mesh, suspect, whole.mesh)}")
     return [*shown, Panel("recovered", whole.mesh.vertices, whole.mesh.faces, vertex_colours(whole.mesh))]
 
 

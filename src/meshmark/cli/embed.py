@@ -7,11 +7,21 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from meshmark.cli.options import AsJson, KeyFile, Layers, ModelIn, ModelOut, Strength, Tolerance
-from meshmark.cli.output import answer, percent, plural, say
-from meshmark.cli.paths import check_output, naming
+from meshmark.cli.models import named, read_model
+from meshmark.cli.options import (
+    AsJson,
+    Force,
+    KeyFile,
+    Layers,
+    ModelFormatIn,
+    ModelIn,
+    ModelOut,
+    Strength,
+    Tolerance,
+)
+from meshmark.cli.output import answer, described, percent, plural, say
+from meshmark.cli.paths import naming, staged, written_beside
 from meshmark.cli.progress import progress
-from meshmark.errors import InputError
 
 if TYPE_CHECKING:
     from meshmark.schemes.ncdg_lv import Embedding
@@ -66,41 +76,54 @@ def embed(
             help="Compress OUT as IN is (glTF with Draco); without it, OUT of a compressed glTF is uncompressed.",
         ),
     ] = False,
+    format: ModelFormatIn = None,
+    force: Force = False,
     as_json: AsJson = False,
 ) -> int:
     """Put a mark into a model.
 
     IN with an invisible 64-bit id, and marks that tell what was changed later, goes to OUT; nothing but
-    positions changes, and IN stays as it is. OUT appears only after it was read back with the key alone.
+    positions changes, and IN stays as it is. OUT and the certificate appear together, after OUT was read back
+    with the key alone.
 
     The certificate is a small file without the key or the surface. Keep it: with it, the mark is found in copies
     of which half is gone, and with the key it takes the mark off again.
+
+    Exit code 4: the model cannot carry what was asked, and nothing is written.
     """
     from meshmark.coding.keys import Key
     from meshmark.coding.message import parse_id
 
     carried = payload if payload in (None, "miniature", "none") else Path(str(payload))
-    inputs = [model, key, *([carried] if isinstance(carried, Path) else [])]
-    check_output(out, inputs)
-    if certificate is not None:
-        check_output(certificate, inputs)
-        if certificate.resolve() == out.resolve():
-            raise InputError(f"{out} is to be the model and the certificate, expected two names")
+    inputs = [model, key, carried if isinstance(carried, Path) else None]
+    staging = staged([(out, None), (certificate, None)], inputs, force)
     number = None if identity is None else parse_id(identity)
     secret = Key.load(key)
+    mesh = read_model(model, format, staging)
     from meshmark.schemes.ncdg_lv.files import embed_file
 
     wanted = None if layers is None else layers.value
     coarse = None if tolerance is None else tolerance.value
-    with progress("marking"), naming(model):
+    with progress("marking"), naming(named(model)), staging:
         result = embed_file(
-            model, out, secret, number, strength.value, wanted, carried, coarse, recompress=recompress
+            mesh,
+            out,
+            secret,
+            number,
+            strength.value,
+            wanted,
+            carried,
+            coarse,
+            recompress=recompress,
+            staging=staging,
         )
         if certificate is not None:
-            result.certificate.save(certificate)
+            result.certificate.save(certificate, staging)
     for remark in result.remarks:
         say(f"meshmark: {remark}")
-    answer(_words(result, model, out), result.to_dict(), as_json)
+    fields = {**result.to_dict(), "side_files": written_beside(staging, [out, certificate])}
+    outputs = {"model": out, "certificate": certificate}
+    answer(_words(result, named(model), out), described(fields, model, outputs, secret), as_json)
     return 0
 
 

@@ -1,37 +1,72 @@
-"""`meshmark info`: what a model file holds."""
+"""`meshmark info`: what a file holds: a model, or a certificate or key of meshmark's own."""
 
 from __future__ import annotations
 
-from typing import Any
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-from meshmark.cli.options import AsJson, ModelIn
-from meshmark.cli.output import answer, say
-from meshmark.cli.paths import naming
+from meshmark.cli.models import named, read_model
+from meshmark.cli.options import AsJson, ModelFormat, ModelFormatIn, ModelIn
+from meshmark.cli.output import answer, described, say
+from meshmark.cli.paths import STANDARD_INPUT, naming
+
+if TYPE_CHECKING:
+    from meshmark.coding.keys import Key
 
 __all__ = ["info"]
 
+_HEAD = 256
+_CERTIFICATE = re.compile(rb'\s*\{\s*"format"\s*:\s*"meshmark certificate"')
 
-def info(model: ModelIn, as_json: AsJson = False) -> int:
-    """Tell what a model file holds.
 
-    Its format, its counts, its size, and whether its surface is closed.
+def info(model: ModelIn, format: ModelFormatIn = None, as_json: AsJson = False) -> int:
+    """Tell what a file holds.
+
+    Of a model: its format, its counts, its size, and whether its surface is closed. Of a certificate: what of it is
+    public. Of a key: that it is one, and its public fingerprint; the key is never shown.
     """
-    from meshmark.io import read_mesh
+    fields, key = _fields(model, format)
+    width = max(map(len, fields)) + 2
+    rows = (
+        f"{name.replace('_', ' '):<{width}}{_shown(value)}"
+        for name, value in fields.items()
+        if name != "remarks"
+    )
+    answer("\n".join(rows), described(fields, model, key=key), as_json)
+    return 0
 
-    mesh = read_mesh(model)
+
+def _fields(path: Path, format: ModelFormat | None) -> tuple[dict[str, Any], Key | None]:
+    """Return what is to be told, and the key where the file is one."""
+    from meshmark.coding.keys import Key, is_key_file
+
+    if path != STANDARD_INPUT and is_key_file(path):
+        key = Key.load(path)
+        return {"kind": "meshmark key file", "fingerprint": key.fingerprint}, key
+    if path != STANDARD_INPUT and _is_certificate(path):
+        from meshmark.schemes.ncdg_lv import Certificate
+
+        return Certificate.load(path).summary(), None
+    mesh = read_model(path, format)
     from meshmark.metrics.shape import describe
 
     document = mesh.document
     held = {} if document is None else {"format": document.format, **document.summary()}
     remarks = () if document is None else document.remarks
-    with naming(model):
-        fields = {**held, **describe(mesh).to_dict()}
     for remark in remarks:
-        say(f"meshmark: {model}: {remark}")
-    width = max(map(len, fields)) + 2
-    rows = (f"{name.replace('_', ' '):<{width}}{_shown(value)}" for name, value in fields.items())
-    answer("\n".join(rows), {**fields, "remarks": remarks}, as_json)
-    return 0
+        say(f"meshmark: {named(path)}: {remark}")
+    with naming(named(path)):
+        return {**held, **describe(mesh).to_dict(), "remarks": remarks}, None
+
+
+def _is_certificate(path: Path) -> bool:
+    """Return whether a file begins as a certificate does, without the slow import of what reads one."""
+    try:
+        with path.open("rb") as file:
+            return _CERTIFICATE.match(file.read(_HEAD)) is not None
+    except OSError:
+        return False
 
 
 def _shown(value: Any) -> str:

@@ -7,19 +7,20 @@ import io
 import os
 import sys
 import traceback
+from dataclasses import dataclass
 from typing import NoReturn
 
 import typer
 
 from meshmark.cli.commands import COMMANDS
-from meshmark.cli.output import say
-from meshmark.errors import MeshmarkError
+from meshmark.cli.output import answer, say
+from meshmark.errors import CapacityError, MeshmarkError
 
 __all__ = ["app", "main", "run"]
 
 # Shells report a program that a closed pipe or Ctrl-C ended as 128 + the number of the signal.
 _READER_GONE, _INTERRUPTED = 128 + 13, 128 + 2
-_FAILED = 2
+_FAILED, _CANNOT_CARRY = 2, 4
 _BUGS = (
     "please report it with the command you typed and the output of the same command under MESHMARK_DEBUG=1"
 )
@@ -30,6 +31,7 @@ app = typer.Typer(
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
     no_args_is_help=False,
+    invoke_without_command=True,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 for _name, _function in COMMANDS.items():
@@ -44,35 +46,43 @@ def _version(asked: bool) -> None:
         raise typer.Exit
 
 
-@app.callback(epilog="Exit codes: 0 done, or yes; 1 the answer is no; 2 bad usage or input; 3 inconclusive.")
+@app.callback(
+    epilog="Exit codes: 0 done, or yes; 1 the answer is no; 2 bad usage or input; 3 inconclusive; "
+    "4 the model cannot carry what was asked."
+)
 def _root(
-    version: bool = typer.Option(
+    context: typer.Context,
+    _: bool = typer.Option(
         False, "--version", help="Print the version and exit.", callback=_version, is_eager=True
     ),
 ) -> None:
     """Put an invisible, key-protected mark into the geometry of a 3D model, and read it back."""
+    if context.invoked_subcommand is None:
+        print(context.get_help())
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Run one command line and return its exit code; nothing but Ctrl-C at odd moments raises."""
+    failure = _Failure(_asks_for_json(sys.argv[1:] if arguments is None else arguments))
     try:
         code = app(arguments, prog_name="meshmark", standalone_mode=False)
         sys.stdout.flush()
         return int(code or 0)
     except MeshmarkError as error:
-        return _fail(str(error))
+        code = _CANNOT_CARRY if isinstance(error, CapacityError) else _FAILED
+        return failure(error.kind, str(error), code, error.file)
     except typer.TyperException as error:  # a command line that the parser refused
-        return _fail(f"{_as_clause(error.format_message())} (see `{_help_for(error)}`)")
+        return failure("usage", f"{_as_clause(error.format_message())} (see `{_help_for(error)}`)")
     except KeyboardInterrupt:
-        return _fail("interrupted", _INTERRUPTED)
+        return failure("interrupted", "interrupted", _INTERRUPTED)
     except MemoryError:
-        return _fail("there is not enough memory for this model")
+        return failure("memory", "there is not enough memory for this model")
     except (BrokenPipeError, SystemExit):  # typer turns a closed pipe into SystemExit
         return _reader_gone()
     except Exception as error:
         if os.environ.get("MESHMARK_DEBUG"):
             traceback.print_exc()
-        return _fail(f"this is a bug in meshmark ({type(error).__name__}); {_BUGS}")
+        return failure("bug", f"this is a bug in meshmark ({type(error).__name__}); {_BUGS}")
 
 
 def run() -> NoReturn:
@@ -83,9 +93,28 @@ def run() -> NoReturn:
     sys.exit(main())
 
 
-def _fail(sentence: str, code: int = _FAILED) -> int:
-    say(f"meshmark: {' '.join(sentence.split())}")
-    return code
+def _asks_for_json(arguments: list[str]) -> bool:
+    """Return whether a command line has --json, also one that cannot be parsed."""
+    options = arguments[: arguments.index("--")] if "--" in arguments else arguments
+    return "--json" in options
+
+
+@dataclass(frozen=True)
+class _Failure:
+    """Tells of an error: one sentence on standard error, and with --json an object on standard output."""
+
+    as_json: bool
+
+    def __call__(self, kind: str, sentence: str, code: int = _FAILED, file: str | None = None) -> int:
+        message = " ".join(sentence.split())
+        if self.as_json:
+            try:
+                answer("", {"error": {"kind": kind, "message": message, "file": file}}, as_json=True)
+                sys.stdout.flush()
+            except BrokenPipeError:
+                _reader_gone()
+        say(f"meshmark: {message}")
+        return code
 
 
 def _help_for(error: typer.TyperException) -> str:

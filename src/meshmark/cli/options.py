@@ -12,8 +12,11 @@ __all__ = [
     "AsJson",
     "CertificateIn",
     "CertificateNeeded",
+    "Force",
     "KeyFile",
     "Layers",
+    "ModelFormat",
+    "ModelFormatIn",
     "ModelIn",
     "ModelOut",
     "OriginalIn",
@@ -55,8 +58,31 @@ class Search(StrEnum):
     wide = "wide"
 
 
+class ModelFormat(StrEnum):
+    """The format of a model, as `FORMATS` names it."""
+
+    off = "off"
+    obj = "obj"
+    ply = "ply"
+    stl = "stl"
+    glb = "glb"
+    gltf = "gltf"
+    threemf = "3mf"
+
+
 ModelIn = Annotated[
-    Path, typer.Argument(metavar="IN", help="Model: .off .obj .ply .stl .glb .gltf .3mf, each also .gz.")
+    Path,
+    typer.Argument(
+        metavar="IN",
+        help="Model: .off .obj .ply .stl .glb .gltf .3mf, each also .gz; - for standard input, with --format.",
+    ),
+]
+ModelFormatIn = Annotated[
+    ModelFormat | None,
+    typer.Option("--format", help="Format of the model on standard input, also gzipped."),
+]
+Force = Annotated[
+    bool, typer.Option("--force", help="Replace existing files; keys and inputs are never replaced.")
 ]
 ModelOut = Annotated[
     Path,

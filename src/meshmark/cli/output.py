@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-__all__ = ["answer", "percent", "plural", "printable", "say"]
+if TYPE_CHECKING:
+    from meshmark.coding.keys import Key
+
+__all__ = ["answer", "described", "percent", "plural", "printable", "say"]
 
 
 def answer(lines: str, fields: Mapping[str, Any], as_json: bool) -> None:
@@ -16,6 +20,33 @@ def answer(lines: str, fields: Mapping[str, Any], as_json: bool) -> None:
         print(json.dumps(fields, allow_nan=False))
     else:
         print("\n".join(printable(line) for line in lines.splitlines()))
+
+
+def described(
+    fields: Mapping[str, Any],
+    source: Path | Sequence[Path] | None = None,
+    outputs: Mapping[str, Path | None] | None = None,
+    key: Key | None = None,
+) -> dict[str, Any]:
+    """Return the fields of an answer after those that every JSON answer has.
+
+    source: the model or models read. outputs: the files written, by what they are; None for one that was not. key:
+    named by its public fingerprint.
+    """
+    from meshmark import __version__
+
+    written = {name: str(path) for name, path in (outputs or {}).items() if path is not None}
+    return {
+        "version": __version__,
+        "input": [str(path) for path in source] if isinstance(source, Sequence) else _text(source),
+        "outputs": written,
+        "key": None if key is None else key.fingerprint,
+        **fields,
+    }
+
+
+def _text(path: Path | None) -> str | None:
+    return None if path is None else str(path)
 
 
 def say(line: str) -> None:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from meshmark.cli.options import AsJson, CertificateIn, KeyFile, ModelIn, ModelOut
-from meshmark.cli.output import answer, percent, plural, say
-from meshmark.cli.paths import check_output, naming
+from meshmark.cli.models import named, read_model
+from meshmark.cli.options import AsJson, CertificateIn, Force, KeyFile, ModelFormatIn, ModelIn, ModelOut
+from meshmark.cli.output import answer, described, percent, plural, say
+from meshmark.cli.paths import naming, staged, written_beside
 from meshmark.cli.progress import progress
 from meshmark.cli.references import load_reference
 
@@ -12,7 +13,13 @@ __all__ = ["recover"]
 
 
 def recover(
-    model: ModelIn, out: ModelOut, key: KeyFile, certificate: CertificateIn = None, as_json: AsJson = False
+    model: ModelIn,
+    out: ModelOut,
+    key: KeyFile,
+    certificate: CertificateIn = None,
+    format: ModelFormatIn = None,
+    force: Force = False,
+    as_json: AsJson = False,
 ) -> int:
     """Bring back what was altered in a marked model.
 
@@ -22,32 +29,35 @@ def recover(
     Exit code 1: it cannot be recovered, and nothing is written.
     """
     from meshmark.coding.keys import Key
-    from meshmark.io import check_extension, read_mesh, uncompressed, write_mesh
+    from meshmark.io import check_extension, uncompressed, write_mesh
 
-    check_output(out, [path for path in (model, key, certificate) if path is not None])
+    staging = staged([(out, None)], [model, key, certificate], force)
     check_extension(out, model)
     secret = Key.load(key)
-    mesh = read_mesh(model)
+    mesh = read_model(model, format, staging)
     reference = load_reference(certificate)
     from meshmark.schemes.ncdg_lv import recover as bring_back
 
-    with progress("recovering"), naming(model):
+    with progress("recovering"), naming(named(model)):
         found = bring_back(mesh, secret, reference=reference)
     if found.mesh is None:
-        answer(f"Not recovered: {model}. {found.advice}", found.to_dict(), as_json)
+        fields = described(found.to_dict(), model, key=secret)
+        answer(f"Not recovered: {named(model)}. {found.advice}", fields, as_json)
         return 1
     if found.lost:
         say(f"meshmark: {out.name} will not hold the model's {', '.join(found.lost)}: its faces change")
-    report = write_mesh(found.mesh, out)
+    with staging:
+        report = write_mesh(found.mesh, out, staging=staging)
     for remark in uncompressed(report, out):
         say(f"meshmark: {remark}")
     if report.dropped:
         say(f"meshmark: {out.name} cannot hold the model's {', '.join(report.dropped)}")
     words = (
-        f"Recovered: {model} -> {out}; {percent(found.altered_area_fraction)} of the surface was altered; "
+        f"Recovered: {named(model)} -> {out}; {percent(found.altered_area_fraction)} of the surface was altered; "
         f"{plural(found.vertices_moved, 'vertex/vertices')} moved, "
         f"{plural(found.vertices_removed, 'vertex/vertices')} cut out, {plural(found.faces_added, 'face')} added. "
         f"{found.advice}"
     )
-    answer(words, found.to_dict(), as_json)
+    fields = {**found.to_dict(), "side_files": written_beside(staging, [out])}
+    answer(words, described(fields, model, {"model": out}, secret), as_json)
     return 0

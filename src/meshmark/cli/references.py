@@ -5,9 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from meshmark.cli.models import read_model
 from meshmark.errors import InputError
 
 if TYPE_CHECKING:
+    from meshmark.io import Staging
     from meshmark.mesh import Mesh
     from meshmark.schemes.ncdg_lv import Certificate
 
@@ -20,12 +22,16 @@ def check_references(certificate: Path | None, original: Path | None) -> None:
         raise InputError("--certificate and --original exclude each other, expected one of them")
 
 
-def load_reference(certificate: Path | None, original: Path | None = None) -> Certificate | Mesh | None:
-    """Return what the file of the one that is given holds, None without any."""
-    from meshmark.io import read_mesh
+def load_reference(
+    certificate: Path | None, original: Path | None = None, staging: Staging | None = None
+) -> Certificate | Mesh | None:
+    """Return what the file of the one that is given holds, None without any.
+
+    staging: of the outputs, which is told not to touch the files of the original.
+    """
 
     if certificate is not None:
         from meshmark.schemes.ncdg_lv import Certificate
 
         return Certificate.load(certificate)
-    return None if original is None else read_mesh(original)
+    return None if original is None else read_model(original, None, staging)

@@ -2,33 +2,38 @@
 
 from __future__ import annotations
 
-from meshmark.cli.options import AsJson, ModelIn, Picture
-from meshmark.cli.output import answer, plural
-from meshmark.cli.paths import check_output, naming
+from meshmark.cli.models import named, read_model
+from meshmark.cli.options import AsJson, Force, ModelFormatIn, ModelIn, Picture
+from meshmark.cli.output import answer, described, plural
+from meshmark.cli.paths import naming, staged
 from meshmark.cli.progress import progress
 
 __all__ = ["segment"]
 
 
-def segment(model: ModelIn, picture: Picture = None, as_json: AsJson = False) -> int:
+def segment(
+    model: ModelIn,
+    picture: Picture = None,
+    format: ModelFormatIn = None,
+    force: Force = False,
+    as_json: AsJson = False,
+) -> int:
     """Part a model into regions.
 
     Each region lies around a salient point and has a fair share of the model's two halves, green and blue.
     """
-    from meshmark.io import read_mesh
-
-    if picture is not None:
-        check_output(picture, [model], ".png")
-    mesh = read_mesh(model)
+    staging = staged([(picture, ".png")], [model], force)
+    mesh = read_model(model, format, staging)
     from meshmark.segmentation import segment as part
 
-    with progress("drawing the map"), naming(model):
+    with progress("drawing the map"), naming(named(model)):
         result = part(mesh)
     if picture is not None:
         from meshmark.report.segmentation import segmentation_picture
 
-        segmentation_picture(mesh, result, picture)
-    fields = result.to_dict()
+        with staging:
+            segmentation_picture(mesh, result, picture, staging=staging)
+    fields = described(result.to_dict(), model, {"picture": picture})
     lines = [f"{plural(len(fields['regions']), 'region')}; balance {fields['balance']:.3f} (1 is perfect)"]
     lines += [
         f"  {region['id']:>3}  green {100 * region['green_share']:5.1f} %  "

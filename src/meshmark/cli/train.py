@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 import typer
 
-from meshmark.cli.options import AsJson
-from meshmark.cli.output import answer, plural
-from meshmark.cli.paths import check_output
+from meshmark.cli.options import AsJson, Force
+from meshmark.cli.output import answer, described, plural
+from meshmark.cli.paths import staged
 from meshmark.cli.progress import counted
 from meshmark.errors import InputError, MeshmarkError
 
@@ -52,6 +52,7 @@ def train(
     most_points: Annotated[
         int, typer.Option(min=1, metavar="N", help="Leave out models of more vertices.")
     ] = 20_000,
+    force: Force = False,
     as_json: AsJson = False,
 ) -> int:
     """Train one of the networks: demodulator or distortion.
@@ -61,7 +62,7 @@ def train(
     from meshmark.network.weights import dump_network
 
     start = perf_counter()
-    check_output(out, [data], ".json")
+    staging = staged([(out, ".json")], [data], force)
     made = _demodulator if network is Network.demodulator else _distortion
     trained, features, notes, words = made(data, seed, limit, most_points)
     command = f"meshmark train --data {shlex.quote(str(data))} --out {out.name} --seed {seed}"
@@ -69,8 +70,10 @@ def train(
     command += f" --limit {limit}" if limit is not None else ""
     command += f" --most-points {most_points}"
     notes = {"command": command, **notes}
-    _write(out, dump_network(trained, features, notes))
-    answer(f"Trained: {out}; {words}", {"out": str(out), **notes, "seconds": perf_counter() - start}, as_json)
+    with staging:
+        staging.put(out, dump_network(trained, features, notes).encode("utf-8"))
+    fields = {"out": str(out), **notes, "seconds": perf_counter() - start}
+    answer(f"Trained: {out}; {words}", described(fields, data, {"network": out}), as_json)
     return 0
 
 
@@ -118,12 +121,6 @@ def _distortion(data: Path, seed: int, limit: int | None, most_points: int) -> _
 
 def _used(models: dict[str, list[Any]]) -> int:
     return sum(bool(found) for found in models.values())
-
-
-def _write(out: Path, text: str) -> None:
-    from meshmark.io.whole import write_whole
-
-    write_whole(out, text.encode("utf-8"))
 
 
 def _trials(

@@ -7,9 +7,10 @@ from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from meshmark.cli.options import AsJson, CertificateNeeded, KeyFile, ModelIn, ModelOut
-from meshmark.cli.output import answer, percent, say
-from meshmark.cli.paths import check_output, naming
+from meshmark.cli.models import named, read_model
+from meshmark.cli.options import AsJson, CertificateNeeded, Force, KeyFile, ModelFormatIn, ModelIn, ModelOut
+from meshmark.cli.output import answer, described, percent, say
+from meshmark.cli.paths import naming, staged, written_beside
 from meshmark.cli.progress import progress
 from meshmark.errors import InputError
 
@@ -21,7 +22,13 @@ __all__ = ["unmark"]
 
 
 def unmark(
-    model: ModelIn, out: ModelOut, key: KeyFile, certificate: CertificateNeeded, as_json: AsJson = False
+    model: ModelIn,
+    out: ModelOut,
+    key: KeyFile,
+    certificate: CertificateNeeded,
+    format: ModelFormatIn = None,
+    force: Force = False,
+    as_json: AsJson = False,
 ) -> int:
     """Take a mark off again, with the key and the certificate.
 
@@ -29,36 +36,36 @@ def unmark(
     moved. From a model that was not changed otherwise the original comes back.
     """
     from meshmark.coding.keys import Key
-    from meshmark.io import check_extension, read_mesh, uncompressed, write_mesh
+    from meshmark.io import check_extension, uncompressed, write_mesh
 
     start = perf_counter()
-    check_output(out, [model, key, certificate])
+    staging = staged([(out, None)], [model, key, certificate], force)
     check_extension(out, model)
     secret = Key.load(key)
-    mesh = read_mesh(model)
+    mesh = read_model(model, format, staging)
     from meshmark.schemes.ncdg_lv import Certificate
     from meshmark.schemes.ncdg_lv import unmark as take_off
 
     kept = Certificate.load(certificate)
-    with progress("taking the mark off"), naming(model):
+    with progress("taking the mark off"), naming(named(model)), staging:
         found = take_off(mesh, secret, kept)
         near = f"the original within {_up(found.within_over_diagonal)} of the diagonal"
-        whole = near if found.exact else _told(model, mesh, secret, near)
-    report = write_mesh(found.mesh, out)
+        whole = near if found.exact else _told(named(model), mesh, secret, near)
+        report = write_mesh(found.mesh, out, staging=staging)
     for remark in uncompressed(report, out):
         say(f"meshmark: {remark}")
     if report.dropped:
         say(f"meshmark: {out.name} cannot hold the model's {', '.join(report.dropped)}")
-    words = (
-        f"Unmarked: {model} -> {out}, {whole}; moved {percent(found.rms_over_diagonal)} of the diagonal RMS"
-    )
+    moved = f"moved {percent(found.rms_over_diagonal)} of the diagonal RMS"
+    words = f"Unmarked: {named(model)} -> {out}, {whole}; {moved}"
     fields = {
         "exact": found.exact,
         "within_over_diagonal": found.within_over_diagonal,
         "rms_over_diagonal": found.rms_over_diagonal,
+        "side_files": written_beside(staging, [out]),
         "seconds": perf_counter() - start,
     }
-    answer(words, fields, as_json)
+    answer(words, described(fields, model, {"model": out}, secret), as_json)
     return 0
 
 

@@ -8,19 +8,24 @@ import hmac
 import os
 import re
 import secrets
+from math import log10
 from pathlib import Path
 from typing import NoReturn
 
 from meshmark.errors import InputError, KeyFileError, OutputError
 
-__all__ = ["Key"]
+__all__ = ["LOG10_GUESS", "Key", "is_key_file"]
 
 KEY_BYTES = 32
+LOG10_GUESS = -8 * KEY_BYTES * log10(2.0)
+"""log10 of the chance that a guess is a given key, about -77: no evidence is better than a key is secret."""
 HEADER = "meshmark key 1"
+_ANY_HEADER = b"meshmark key "
 _FILE = re.compile(rf"{HEADER}\n([0-9a-f]{{{2 * KEY_BYTES}}})\n".encode())
 # Enough to see that a file is too long to be a key, without reading a large file into memory.
 _READ_LIMIT = 4 * KEY_BYTES
 _DOMAIN = b"meshmark subkey 1\0"
+_FINGERPRINT, _FINGERPRINT_BYTES = "public fingerprint", 8
 
 
 class Key:
@@ -51,12 +56,15 @@ class Key:
             with Path(path).open("rb") as file:
                 content = file.read(_READ_LIMIT)
         except OSError as error:
-            raise KeyFileError(f"cannot read the key file {name}: {error.strerror or 'error'}") from None
+            raise KeyFileError(
+                f"cannot read the key file {name}: {error.strerror or 'error'}", file=name
+            ) from None
         match = _FILE.fullmatch(content)
         if match is None:
             raise KeyFileError(
                 f"{name} is not a meshmark key, expected the line '{HEADER}' and a line of "
-                f"{2 * KEY_BYTES} lower-case hexadecimal digits"
+                f"{2 * KEY_BYTES} lower-case hexadecimal digits",
+                file=name,
             )
         return cls(bytes.fromhex(match[1].decode()))
 
@@ -71,9 +79,11 @@ class Key:
         try:
             os.close(_create(target))
         except FileExistsError:
-            raise OutputError(f"{target} exists already and a key is never overwritten") from None
+            raise OutputError(
+                f"{target} exists already and a key is never overwritten", file=target
+            ) from None
         except OSError as error:
-            raise OutputError(f"cannot write the key file {target}: {error.strerror or 'error'}") from None
+            raise _unwritten(target, error) from None
         try:
             with os.fdopen(_create(temporary), "wb") as file:
                 file.write(content)
@@ -84,13 +94,22 @@ class Key:
             for leftover in (temporary, target):
                 with contextlib.suppress(OSError):
                     leftover.unlink(missing_ok=True)
-            raise OutputError(f"cannot write the key file {target}: {error.strerror or 'error'}") from None
+            raise _unwritten(target, error) from None
 
     def subkey(self, purpose: str) -> bytes:
         """Return the 32 bytes for one purpose: HMAC-SHA256 of its name, as HKDF expands (RFC 5869)."""
         if not purpose:
             raise InputError("a subkey needs the name of its purpose, got an empty one")
         return hmac.digest(self._secret, _DOMAIN + purpose.encode(), hashlib.sha256)
+
+    @property
+    def fingerprint(self) -> str:
+        """Return 16 hexadecimal digits that name the key in public: nothing of it follows from them.
+
+        They are the start of a subkey with a purpose of its own, so they are neither secret nor random numbers
+        of any mark.
+        """
+        return self.subkey(_FINGERPRINT)[:_FINGERPRINT_BYTES].hex()
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Key) and hmac.compare_digest(self._secret, other._secret)
@@ -115,6 +134,19 @@ class Key:
 
     def __reduce_ex__(self, protocol: object) -> NoReturn:
         raise TypeError("a key cannot be pickled, use save and load")
+
+
+def is_key_file(path: str | os.PathLike[str]) -> bool:
+    """Return whether a file begins as a key file of any version does; False where it cannot be read."""
+    try:
+        with Path(path).open("rb") as file:
+            return file.read(len(_ANY_HEADER)) == _ANY_HEADER
+    except OSError:
+        return False
+
+
+def _unwritten(target: Path, error: OSError) -> OutputError:
+    return OutputError(f"cannot write the key file {target}: {error.strerror or 'error'}", file=target)
 
 
 def _create(path: Path) -> int:

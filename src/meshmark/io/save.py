@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import os
-import tempfile
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -14,9 +14,10 @@ from meshmark.errors import InputError, MeshmarkError, OutputError
 from meshmark.io.document import Attributes
 from meshmark.io.formats import FORMATS, Format, check_extension, format_of_name
 from meshmark.io.source import SourceFile, gzipped
+from meshmark.io.staging import Staging
 from meshmark.mesh import FloatArray, IntArray, Mesh
 
-__all__ = ["WriteReport", "check_recompression", "conform", "uncompressed", "write_mesh"]
+__all__ = ["WriteReport", "check_recompression", "conform", "input_files", "uncompressed", "write_mesh"]
 
 
 @dataclass(frozen=True)
@@ -45,7 +46,9 @@ def write_mesh(
     path: str | Path,
     verify: Callable[[Path], None] | None = None,
     default: str | None = None,
+    *,
     recompress: bool = False,
+    staging: Staging | None = None,
 ) -> WriteReport:
     """Write a mesh to `path`: positions patched into the file it came from, or converted to a new one.
 
@@ -55,6 +58,8 @@ def write_mesh(
     complete files, before they have their places, and stops the save by raising. `default` is the format, a key
     of `FORMATS`, for a mesh made in memory where the path has no known extension. A compressed file (glTF) is
     written uncompressed, as `decompressed` says, unless nothing moved; `recompress` compresses it as it was.
+    `staging` takes the files, to move them into place together with others; without it that is done at once, and
+    existing files are replaced.
     Raises `InputError` where `path` is the file read or one it refers to, or has no known format or the extension
     of one that is not written, or cannot be compressed as it was, and `OutputError` where it cannot be written.
     """
@@ -64,7 +69,8 @@ def write_mesh(
     if recompress:
         check_recompression(mesh, path)
     source = document if isinstance(document, SourceFile) else None
-    target = _checked_target(path, source)
+    inputs = input_files(mesh)
+    target = _checked_target(path, inputs)
     if document is not None:
         check_extension(path, None if source is None else source.path)
     copies: dict[str, Path] = {}
@@ -88,11 +94,23 @@ def write_mesh(
     try:
         present = _present(files, target)
         files |= {name: origin.read_bytes() for name, origin in copies.items() if name not in files}
-        places = {target: main, **_beside(target, files)}
-        _move_into_place(places, present, verify)
+        places = {target: main, **{target.parent / name: data for name, data in files.items()}}
+        with ExitStack() as owned:
+            stage = owned.enter_context(Staging()) if staging is None else staging
+            stage.keep(*inputs)
+            staged = [
+                stage.put(place, data, target.parent, move=place not in present)
+                for place, data in places.items()
+            ]
+            if verify is not None:
+                verify(staged[0])
         return WriteReport(tuple(places), dropped, decompressed)
     except OSError as error:
-        raise OutputError(f"cannot write {error.filename or path}: {error.strerror or error}") from None
+        if isinstance(error, OutputError):
+            raise
+        raise OutputError(
+            f"cannot write {error.filename or path}: {error.strerror or error}", file=path
+        ) from None
 
 
 def uncompressed(report: WriteReport, path: Path) -> tuple[str, ...]:
@@ -122,24 +140,39 @@ def _format_for(mesh: Mesh, path: Path, default: str | None) -> Format:
     return entry
 
 
-def _checked_target(path: Path, source: SourceFile | None) -> Path:
+def _checked_target(path: Path, inputs: Sequence[Path]) -> Path:
     # A link is followed: what it points to is replaced, not the link.
     try:
         target = Path(os.path.realpath(path))
         if target.is_dir():
-            raise OutputError(f"cannot write {path}: it is an existing directory")
+            raise OutputError(f"cannot write {path}: it is an existing directory", file=path)
         if target.exists() and not target.is_file():
-            raise OutputError(f"cannot write {path}: it is not an ordinary file")
+            raise OutputError(f"cannot write {path}: it is not an ordinary file", file=path)
         if not target.parent.is_dir():
-            raise OutputError(f"cannot write {path}: the folder {target.parent} does not exist")
-        for other in () if source is None else (source.path, *source.side_files()):
+            raise OutputError(f"cannot write {path}: the folder {target.parent} does not exist", file=path)
+        for other in inputs:
             if target.exists() and other.exists() and target.samefile(other):
-                raise InputError(f"cannot write {path}: it is the input, or a file that the input refers to")
+                raise InputError(
+                    f"cannot write {path}: it is the input, or a file that the input refers to", file=path
+                )
     except (OSError, ValueError) as error:
         if isinstance(error, MeshmarkError):
             raise
-        raise OutputError(f"cannot write {path}: {error}") from None
+        raise OutputError(f"cannot write {path}: {error}", file=path) from None
     return target
+
+
+def input_files(mesh: Mesh) -> tuple[Path, ...]:
+    """Return the files that a mesh was read from, none for one made in memory: the model, and what it refers to."""
+    source = mesh.document
+    if not isinstance(source, SourceFile):
+        return ()
+    files = (source.path, *source.side_files())
+    if source.format != "gltf":
+        return files
+    # The buffers that hold positions are no side files, but a save returns them.
+    own = source.document.patched(source.vertices, source.path.name.removesuffix(".gz"))
+    return (*files, *(source.path.parent / name for name in own))
 
 
 def _present(files: Mapping[str, bytes], target: Path) -> set[Path]:
@@ -204,36 +237,3 @@ def _split_seams(mesh: Mesh, attributes: Attributes) -> tuple[FloatArray, IntArr
         colors = None if attributes.colors is None else attributes.colors[first]
         return mesh.vertices, mesh.faces, replace(attributes, colors=colors, seams=None)
     return mesh.vertices[points], faces, replace(attributes, seams=None)
-
-
-def _beside(target: Path, files: Mapping[str, bytes]) -> dict[Path, bytes]:
-    beside = {}
-    for name, data in files.items():
-        place = target.parent / name
-        if place.is_dir():
-            raise OutputError(f"cannot write {place}: it is an existing directory")
-        place.parent.mkdir(parents=True, exist_ok=True)
-        beside[place] = data
-    return beside
-
-
-def _move_into_place(
-    files: Mapping[Path, bytes], present: Collection[Path], verify: Callable[[Path], None] | None
-) -> None:
-    """Write every file into a temporary folder, then move all that are not `present`, the first one last."""
-    target, *_ = files
-    with tempfile.TemporaryDirectory(
-        prefix=f".{target.name[:80]}.", suffix=".tmp", dir=target.parent
-    ) as name:
-        staged = {place: Path(name) / place.relative_to(target.parent) for place in files}
-        for place, data in files.items():
-            staged[place].parent.mkdir(parents=True, exist_ok=True)
-            with staged[place].open("xb") as stream:
-                stream.write(data)
-                stream.flush()
-                os.fsync(stream.fileno())
-        if verify is not None:
-            verify(staged[target])
-        for place in reversed(list(files)):
-            if place not in present:
-                staged[place].replace(place)

@@ -8,20 +8,20 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from gzip import GzipFile
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
 from meshmark.errors import FormatError, InputError
 from meshmark.io.document import Attributes, Document
-from meshmark.io.formats import detect_format
+from meshmark.io.formats import FORMATS, Format, detect_format
 from meshmark.io.wording import amount
 from meshmark.mesh import FloatArray, IntArray, Mesh
 
 if TYPE_CHECKING:
     from meshmark.io.archive import Archive
 
-__all__ = ["SourceFile", "gzipped", "read_mesh"]
+__all__ = ["SourceFile", "gzipped", "parse_mesh", "read_mesh", "read_mesh_from"]
 
 _GZIP_MAGIC, _ZIP_MAGIC = b"\x1f\x8b", b"PK\x03\x04"
 
@@ -32,6 +32,8 @@ _MAX_GROWTH = 200
 _ALWAYS_ALLOWED = 64 << 20
 # For zlib: 32 kB of window, and a gzip header.
 _GZIP_WINDOW = 16 + zlib.MAX_WBITS
+# A stream is read in parts of so many bytes.
+_PART = 1 << 20
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,7 +119,7 @@ class SourceFile:
         from meshmark.io.gltf_repack import repacked
 
         packed = files[name].startswith(_GZIP_MAGIC)
-        plain = {**files, name: _unpacked(files[name])} if packed else files
+        plain = {**files, name: _unpacked(files[name])[0]} if packed else files
         found = repacked(plain, name, self.format)
         return {**found, name: gzipped(found[name])} if packed else found
 
@@ -174,8 +176,35 @@ def read_mesh(path: str | Path) -> Mesh:
     Raises `InputError` for a file that cannot be read, `FormatError` for one that breaks its format;
     each says in one sentence what was expected.
     """
-    path = Path(path)
-    raw = _read_bytes(path)
+    return parse_mesh(_read_bytes(Path(path)), Path(path))
+
+
+def read_mesh_from(stream: BinaryIO, format: str, name: str = "standard input") -> Mesh:
+    """Read a model of a format, a key of `FORMATS`, from a stream to its end, gzipped or not.
+
+    name: of the stream, for messages; files that the model refers to are looked for in the current folder.
+    Raises what `read_mesh` raises.
+    """
+    if format not in FORMATS:
+        raise InputError(f"'{format}' is not a format, expected one of {', '.join(FORMATS)}")
+    content = io.BytesIO()
+    try:
+        while part := stream.read(_PART):
+            content.write(part)
+            if content.tell() > _MAX_BYTES:
+                raise InputError(f"{name} is longer than {_MAX_BYTES >> 30} GB, the most that is read")
+    except (OSError, MemoryError) as error:
+        raise InputError(f"cannot read {name}: {getattr(error, 'strerror', None) or 'too large'}") from None
+    if not content.tell():
+        raise FormatError(f"{name} is empty, expected a model")
+    return parse_mesh(content.getvalue(), Path(name), FORMATS[format])
+
+
+def parse_mesh(raw: bytes, path: Path, entry: Format | None = None) -> Mesh:
+    """Return the mesh in the bytes of a file; path: for messages and for files beside it.
+
+    entry: the format; known by content and by extension if None. Raises what `read_mesh` raises.
+    """
     try:
         packed = raw.startswith(_GZIP_MAGIC)
         plain, tail = _unpacked(raw) if packed else (raw, b"")
@@ -184,33 +213,34 @@ def read_mesh(path: str | Path) -> Mesh:
             raise InputError(f"{path} is a gzipped zip archive, expected one that is not gzipped")
         # Files that a model in an archive refers to are not beside the archive.
         place, content = (path, plain) if archive is None else (path / archive.name, archive.content)
-        document = detect_format(content, place).parse(content, place)
+        document = (entry or detect_format(content, place)).parse(content, place)
         source = SourceFile(path, document, raw if packed else None, plain if packed else None, archive, tail)
         return Mesh(document.vertices, document.faces, source)
     except (MemoryError, RecursionError):
-        raise InputError(f"{path} is too large or too deeply nested to be read") from None
+        raise InputError(f"{path} is too large or too deeply nested to be read", file=path) from None
     except InputError as error:
+        error.file = error.file or str(path)
         if path.name in str(error):
             raise
-        raise type(error)(f"{path}: {error}") from None
+        raise type(error)(f"{path}: {error}", file=path) from None
 
 
 def _read_bytes(path: Path) -> bytes:
     try:
         if path.exists() and not path.is_file():
-            raise InputError(f"{path} is not a file, expected a model file")
+            raise InputError(f"{path} is not a file, expected a model file", file=path)
         if path.is_file() and path.stat().st_size > _MAX_BYTES:
-            raise InputError(f"{path} is larger than {_MAX_BYTES >> 30} GB, the most that is read")
+            raise InputError(f"{path} is larger than {_MAX_BYTES >> 30} GB, the most that is read", file=path)
         raw = path.read_bytes()
     except (OSError, ValueError) as error:
         if isinstance(error, InputError):
             raise
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-        raise InputError(f"cannot read {path}: {reason}") from None
+        raise InputError(f"cannot read {path}: {reason}", file=path) from None
     except MemoryError:
-        raise InputError(f"{path} is too large to be read") from None
+        raise InputError(f"{path} is too large to be read", file=path) from None
     if not raw:
-        raise FormatError(f"{path} is empty, expected a model file")
+        raise FormatError(f"{path} is empty, expected a model file", file=path)
     return raw
 
 

@@ -2,30 +2,21 @@
 
 from __future__ import annotations
 
-import os
-import secrets
 from pathlib import Path
 
-from meshmark.errors import OutputError
+from meshmark.io.staging import Staging
 
 __all__ = ["write_whole"]
 
 
-def write_whole(path: Path | str, data: bytes) -> None:
+def write_whole(path: Path | str, data: bytes, staging: Staging | None = None) -> None:
     """Write `data` under a temporary name beside `path`, then rename it; a link is followed.
 
+    staging: takes the file, to move it into place together with others; without it that is done at once.
     Raises `OutputError` where that fails; what was at `path` before is then still there.
     """
-    target = Path(os.path.realpath(path))
-    spare = target.with_name(f".{target.name[:80]}.{secrets.token_hex(6)}.tmp")
-    try:
-        try:
-            with spare.open("xb") as stream:
-                stream.write(data)
-                stream.flush()
-                os.fsync(stream.fileno())
-            spare.replace(target)
-        finally:
-            spare.unlink(missing_ok=True)
-    except OSError as error:
-        raise OutputError(f"cannot write {path}: {error.strerror or error}") from None
+    if staging is not None:
+        staging.put(path, data)
+        return
+    with Staging() as own:
+        own.put(path, data)

@@ -15,7 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from meshmark.coding.chance import in_words
 from meshmark.geometry.weld import Welded, weld
+from meshmark.io.staging import Staging
 from meshmark.io.whole import write_whole
 from meshmark.mesh import FloatArray, IntArray, Mesh
 from meshmark.report.colours import oklch
@@ -51,9 +53,14 @@ _LEAST_SEEN = 0.002
 _GRID = 200
 
 
-def write_authentication_page(mesh: Mesh, found: Authentication, name: str, path: Path | str) -> None:
-    """Save the page of a suspect; name: of its file. Raises `OutputError` where the page cannot be written."""
-    write_whole(path, authentication_page(mesh, found, name).encode("utf-8"))
+def write_authentication_page(
+    mesh: Mesh, found: Authentication, name: str, path: Path | str, staging: Staging | None = None
+) -> None:
+    """Save the page of a suspect; name: of its file. Raises `OutputError` where the page cannot be written.
+
+    staging: takes the file, to move it into place together with others.
+    """
+    write_whole(path, authentication_page(mesh, found, name).encode("utf-8"), staging)
 
 
 def authentication_page(mesh: Mesh, found: Authentication, name: str) -> str:
@@ -180,8 +187,8 @@ def _table(regions: Sequence[Region]) -> str:
 
 
 def _chance(found: Authentication) -> str:
-    exponent = f"{found.log10_false_positive:.0f}".replace("-", "−")
-    return f"chance of such marks below 10^{exponent}" if found.id is not None else "–"
+    words = in_words(found.log10_false_positive).replace("^-", "^−")
+    return f"chance of such marks {words}" if found.id is not None else "–"
 
 
 def _percent(share: float) -> str:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
+from meshmark.io.staging import Staging
 from meshmark.io.whole import write_whole
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.report.colours import heat, to_srgb
@@ -54,6 +55,7 @@ def panels(
     view: FloatArray | None = None,
     bar: str = "",
     columns: int | None = None,
+    staging: Staging | None = None,
 ) -> None:
     """Draw `shown` side by side, each `size` pixels square, and save the PNG.
 
@@ -62,6 +64,8 @@ def panels(
     view: rotation (3, 3) for all panels, rows right, up, towards the viewer; by default a three-quarter view
           of the first panel's model, so that a turned copy beside it is seen turned.
     bar:  title of a colour bar for values coloured with `heat(sqrt(value))`; none if empty.
+
+    staging: takes the file, to move it into place together with others.
 
     Raises `OutputError` where the file cannot be written.
     """
@@ -80,7 +84,7 @@ def panels(
         _draw_bar(sheet, draw, font, bar, row * rows, strip)
     packed = io.BytesIO()
     sheet.save(packed, "PNG")
-    write_whole(path, packed.getvalue())
+    write_whole(path, packed.getvalue(), staging)
 
 
 def render(panel: Panel, size: int, view: FloatArray) -> NDArray[np.uint8]:

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from meshmark.geometry.weld import weld
+from meshmark.io.staging import Staging
 from meshmark.mesh import Mesh
 from meshmark.report.colours import heat
 from meshmark.report.picture import Panel, panels
@@ -19,10 +20,17 @@ DOTS = 120
 """Salient points drawn at most, the strongest."""
 
 
-def saliency_picture(mesh: Mesh, result: SaliencyResult, path: Path | str, *, size: int = 900) -> None:
+def saliency_picture(
+    mesh: Mesh,
+    result: SaliencyResult,
+    path: Path | str,
+    *,
+    size: int = 900,
+    staging: Staging | None = None,
+) -> None:
     """Save a PNG of beta as colour with the strongest salient points as dots, from two sides.
 
-    Raises `OutputError` where the file cannot be written.
+    staging: as in `panels`. Raises `OutputError` where the file cannot be written.
     """
     welded = weld(mesh)
     beta = result.beta[welded.vertex_of_point]
@@ -34,4 +42,4 @@ def saliency_picture(mesh: Mesh, result: SaliencyResult, path: Path | str, *, si
     back = welded.points @ (view.T @ np.diag([-1.0, 1.0, -1.0]) @ view)  # half a turn about the vertical
     front = Panel(caption, welded.points, welded.faces, colours, marks=marks)
     behind = Panel("the other side", back, welded.faces, colours, marks=marks)
-    panels([front, behind], path, size=size, view=view, bar="saliency")
+    panels([front, behind], path, size=size, view=view, bar="saliency", staging=staging)

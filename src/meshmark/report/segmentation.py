@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from meshmark.geometry.weld import weld
+from meshmark.io.staging import Staging
 from meshmark.mesh import Mesh
 from meshmark.report.colours import oklch, region_colours
 from meshmark.report.picture import Panel, panels
@@ -17,10 +18,17 @@ __all__ = ["segmentation_picture"]
 GREEN_AND_BLUE = oklch(np.array([0.80, 0.70]), np.array([0.12, 0.11]), np.array([145.0, 250.0]))
 
 
-def segmentation_picture(mesh: Mesh, result: Segmentation, path: Path | str, *, size: int = 900) -> None:
+def segmentation_picture(
+    mesh: Mesh,
+    result: Segmentation,
+    path: Path | str,
+    *,
+    size: int = 900,
+    staging: Staging | None = None,
+) -> None:
     """Save a PNG of the regions beside the green and the blue half.
 
-    Raises `OutputError` where the file cannot be written.
+    staging: as in `panels`. Raises `OutputError` where the file cannot be written.
     """
     welded = weld(mesh)
     at = welded.vertex_of_point
@@ -40,4 +48,4 @@ def segmentation_picture(mesh: Mesh, result: Segmentation, path: Path | str, *, 
         parts,
         seeds,
     )
-    panels([regions, halves], path, size=size)
+    panels([regions, halves], path, size=size, staging=staging)

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from meshmark.io.staging import Staging
 from meshmark.io.whole import write_whole
 from meshmark.mesh import Mesh
 
@@ -16,11 +17,13 @@ INTACT, ALTERED = (196, 194, 188), (208, 32, 32)
 """sRGB colours of vertices."""
 
 
-def write_tamper_map(mesh: Mesh, altered: NDArray[np.bool_], path: Path | str) -> None:
+def write_tamper_map(
+    mesh: Mesh, altered: NDArray[np.bool_], path: Path | str, staging: Staging | None = None
+) -> None:
     """Save the vertices (n, 3) in their order, the faces, colours, and `altered` (n,) as 0 or 1.
 
-    Positions are in single precision where that holds them exactly. Raises `OutputError` where the file cannot be
-    written.
+    Positions are in single precision where that holds them exactly. staging: takes the file, to move it into place
+    together with others. Raises `OutputError` where the file cannot be written.
     """
     single = mesh.vertices.astype("<f4")
     real = "f4" if (single == mesh.vertices).all() else "f8"
@@ -37,7 +40,7 @@ def write_tamper_map(mesh: Mesh, altered: NDArray[np.bool_], path: Path | str) -
     corners = np.zeros(len(mesh.faces), [("count", "u1"), ("at", "<i4", 3)])
     corners["count"] = 3
     corners["at"] = mesh.faces
-    write_whole(path, _header(rows, len(corners)) + rows.tobytes() + corners.tobytes())
+    write_whole(path, _header(rows, len(corners)) + rows.tobytes() + corners.tobytes(), staging)
 
 
 def _header(rows: NDArray[np.void], faces: int) -> bytes:

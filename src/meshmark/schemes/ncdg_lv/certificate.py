@@ -25,6 +25,7 @@ import json
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from hashlib import blake2b
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -36,6 +37,7 @@ from meshmark.geometry.frame import Frame, canonical_frame
 from meshmark.geometry.landmarks import Landmarks
 from meshmark.geometry.prepared import Surface
 from meshmark.geometry.weld import weld
+from meshmark.io.staging import Staging
 from meshmark.io.whole import write_whole
 from meshmark.mesh import FloatArray, Mesh
 from meshmark.schemes.ncdg_lv.parameters import BUDGETS
@@ -71,8 +73,11 @@ class Certificate:
     faces: int
     more: Mapping[str, Any] = field(default_factory=dict)
 
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the certificate; raises `OutputError` where the file cannot be written."""
+    def save(self, path: str | os.PathLike[str], staging: Staging | None = None) -> None:
+        """Write the certificate; raises `OutputError` where the file cannot be written.
+
+        staging: takes the file, to move it into place together with others.
+        """
         values = {
             "format": FORMAT,
             "version": VERSION,
@@ -92,7 +97,8 @@ class Certificate:
             "landmarks": _packed(self.landmarks),
             **self.more,
         }
-        write_whole(os.fspath(path), (json.dumps(values, indent=1, allow_nan=False) + "\n").encode("ascii"))
+        text = json.dumps(values, indent=1, allow_nan=False) + "\n"
+        write_whole(os.fspath(path), text.encode("ascii"), staging)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Certificate:
@@ -102,15 +108,48 @@ class Certificate:
             with Path(path).open("rb") as file:
                 content = file.read(LONGEST + 1)
         except OSError as error:
-            raise InputError(f"cannot read the certificate {name}: {error.strerror or 'error'}") from None
+            raise InputError(
+                f"cannot read the certificate {name}: {error.strerror or 'error'}", file=name
+            ) from None
         if len(content) > LONGEST:
-            raise InputError(f"{name} is not a meshmark certificate: it is longer than {LONGEST} bytes")
+            raise InputError(
+                f"{name} is not a meshmark certificate: it is longer than {LONGEST} bytes", file=name
+            )
         try:
             return _parse(content)
         except _OldVersionError as error:
-            raise InputError(f"{name} {error}") from None
+            raise InputError(f"{name} {error}", file=name) from None
         except InputError as error:
-            raise InputError(f"{name} is not a meshmark certificate: {error}") from None
+            raise InputError(f"{name} is not a meshmark certificate: {error}", file=name) from None
+
+    def summary(self) -> dict[str, Any]:
+        """Return what is public of the certificate, for people; nothing of it needs the key.
+
+        model_digest: 16 hexadecimal digits of the marked model's counts and frame, equal for certificates of one
+        marked model. takes_mark_off: it holds what `unmark` needs.
+        """
+        frame = self.frame
+        numbers = [
+            *frame.centre,
+            frame.scale,
+            *frame.axes.ravel(),
+            *frame.moments,
+            frame.area,
+            *frame.skewness,
+        ]
+        content = np.array([self.vertices, self.faces, *numbers], "<f8").tobytes()
+        return {
+            "kind": FORMAT,
+            "certificate_version": VERSION,
+            "layers": self.more.get("layers"),
+            "vertices": self.vertices,
+            "faces": self.faces,
+            "strength": self.strength,
+            "landmarks": len(self.landmarks),
+            "model_digest": blake2b(content, digest_size=8, person=b"meshmark model").hexdigest(),
+            "bound_to_key": "binding" in self.more,
+            "takes_mark_off": "undo" in self.more,
+        }
 
 
 class _OldVersionError(InputError):

@@ -10,6 +10,7 @@ from time import monotonic, perf_counter
 
 import numpy as np
 
+from meshmark.coding.chance import believable
 from meshmark.coding.codec import CHECK_WORD_LIMIT, Codec, Decoded
 from meshmark.coding.keys import Key
 from meshmark.errors import InputError
@@ -22,7 +23,7 @@ from meshmark.schemes.ncdg_lv.locking import locked_readings, registered_reading
 from meshmark.schemes.ncdg_lv.parameters import CREDIBLE_LOG10, DECODE_LOG10, PRESENT_LOG10, PROVEN_LOG10
 from meshmark.schemes.ncdg_lv.reading import Reading, readings
 from meshmark.schemes.ncdg_lv.references import starting_frames
-from meshmark.schemes.ncdg_lv.results import Extraction
+from meshmark.schemes.ncdg_lv.results import Evidence, Extraction
 from meshmark.schemes.ncdg_lv.threads import on_one_thread
 from meshmark.schemes.ncdg_lv.unsmoothing import unsmoothed_readings
 
@@ -199,7 +200,7 @@ def _lock_bound(reading: Reading) -> float:
 
 
 def _result(found: Found, codec: Codec, mode: str, seconds: float) -> Extraction:
-    reading, bound = found.reading, found.log10_false_positive
+    reading, bound = found.reading, believable(found.log10_false_positive)
     late = "No mark of this key was found before the time limit; not everything was tried."
     if reading is None:
         advice = late if found.stopped else "The model has too few carriers to tell whether it is marked."
@@ -218,7 +219,8 @@ def _result(found: Found, codec: Codec, mode: str, seconds: float) -> Extraction
         if agreeing < 0.7 * count:
             advice = f"The mark was read, though only {agreeing} of its {count} places still agree."
         identity = found.decoded.id
-        return Extraction("present", identity, bound, mode, count, agreeing, lock, advice, seconds)
+        evidence = (Evidence(layer="cells", id=identity, log10_false_positive=bound),)
+        return Extraction("present", identity, bound, mode, count, agreeing, lock, advice, seconds, evidence)
     presence, advice = "absent", "No mark of this key was found."
     if mode == "blind":
         advice += " Of a part or a badly damaged copy the certificate or the original tells more."
@@ -226,4 +228,5 @@ def _result(found: Found, codec: Codec, mode: str, seconds: float) -> Extraction
         presence, advice = "inconclusive", late
     if found.present:
         presence, advice = "present", "A mark of this key is there, but too damaged to read its id."
-    return Extraction(presence, None, bound, mode, count, 0, lock, advice, seconds)
+    locked = (Evidence(layer="cells", id=None, log10_false_positive=bound),) if found.present else ()
+    return Extraction(presence, None, bound, mode, count, 0, lock, advice, seconds, locked)

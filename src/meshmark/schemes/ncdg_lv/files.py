@@ -10,7 +10,8 @@ from time import perf_counter
 import numpy as np
 
 from meshmark.coding.keys import Key
-from meshmark.io import check_extension, check_recompression, read_mesh, uncompressed, write_mesh
+from meshmark.io import Staging, check_extension, check_recompression, read_mesh, uncompressed, write_mesh
+from meshmark.io.source import SourceFile
 from meshmark.mesh import Mesh
 from meshmark.schemes.ncdg_lv.authentication.content import Content
 from meshmark.schemes.ncdg_lv.layers import embed
@@ -22,7 +23,7 @@ __all__ = ["embed_file"]
 
 
 def embed_file(
-    model: str | Path,
+    model: str | Path | Mesh,
     out: str | Path,
     key: Key,
     id: int | None = None,
@@ -30,20 +31,22 @@ def embed_file(
     layers: str | None = None,
     payload: Content = None,
     tolerance: str | None = None,
+    *,
     recompress: bool = False,
+    staging: Staging | None = None,
 ) -> Embedding:
-    """Mark the model file `model` and write the result to `out`; see `embed` for the arguments.
+    """Mark the model file `model`, or what was read from one, and write the result to `out`.
 
-    recompress: whether a compressed glTF is written compressed as it was, not uncompressed with a remark.
-
-    The complete files are written under temporary names and read again, all layers blind; only then do they
-    take their places; `seconds` counts all of it. Raises what reading, embedding and writing raise, and
-    `CapacityError` where a layer is not found in the written file (a target format too coarse for the mark);
-    nothing is left behind then.
+    See `embed` for the arguments. recompress: whether a compressed glTF is written compressed as it was, not
+    uncompressed with a remark. The complete files are written under temporary names and read again, all layers
+    blind; only then do they take their places, or stay with `staging`, which moves them together with others.
+    `seconds` counts all of it. Raises what reading, embedding and writing raise, and `CapacityError` where a layer
+    is not found in the written file (a target format too coarse for the mark); nothing is left behind then.
     """
     start = perf_counter()
-    check_extension(Path(out), Path(model))
-    mesh = read_mesh(model)
+    mesh = model if isinstance(model, Mesh) else read_mesh(model)
+    source = mesh.document.path if isinstance(mesh.document, SourceFile) else None
+    check_extension(Path(out), source)
     if recompress:
         check_recompression(mesh, Path(out))
     result = embed(mesh, key, id=id, strength=strength, layers=layers, payload=payload, tolerance=tolerance)
@@ -54,10 +57,11 @@ def embed_file(
         if not _same(seen[0], result.mesh):  # `embed` has checked these very positions
             verify(seen[0], key, result, Path(out).name, compressed=recompress)
 
-    report = write_mesh(result.mesh, out, verify=read_back, recompress=recompress)
+    report = write_mesh(result.mesh, out, verify=read_back, recompress=recompress, staging=staging)
     remarks = result.remarks + uncompressed(report, Path(out))
     if mesh.document is not None:
-        remarks = tuple(f"{Path(model).name}: {remark}" for remark in mesh.document.remarks) + remarks
+        name = "the model" if source is None else source.name
+        remarks = tuple(f"{name}: {remark}" for remark in mesh.document.remarks) + remarks
     if report.dropped:
         remarks += (f"{Path(out).name} cannot hold the model's {', '.join(report.dropped)}",)
     result = _as_written(result, mesh, seen[0], key)

@@ -12,7 +12,7 @@ from meshmark.coding.message import format_id
 from meshmark.mesh import Mesh
 from meshmark.schemes.ncdg_lv.certificate import Certificate, certify
 
-__all__ = ["Embedding", "Extraction"]
+__all__ = ["Embedding", "Evidence", "Extraction"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,6 +59,24 @@ class Embedding:
         return _plain(self)
 
 
+@dataclass(frozen=True, kw_only=True)
+class Evidence:
+    """What one layer of a model says.
+
+    layer: "cells" (the ownership layer) or "authentication"; id: the 64-bit id, None where there is a mark whose id
+    cannot be read. log10_false_positive: bound on the chance of this without a mark of this key.
+    """
+
+    layer: str
+    id: int | None
+    log10_false_positive: float
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the fields, the id in hexadecimal."""
+        identity = None if self.id is None else format_id(self.id)
+        return {"layer": self.layer, "id": identity, "log10_false_positive": self.log10_false_positive}
+
+
 @dataclass(frozen=True, eq=False)
 class Extraction:
     """What was read from a mesh.
@@ -68,7 +86,7 @@ class Extraction:
     mode: "blind", "certificate" or "original". carriers: cells read; carriers_agreeing: those whose bit is the
     decoded one's.
     lock_score: mean cos(2 phase), 1 for an untouched mark and about 0 without one.
-    advice: one sentence for the reader.
+    advice: one sentence for the reader. evidence: what layers say of a mark, none where it is absent.
     """
 
     presence: str
@@ -80,6 +98,7 @@ class Extraction:
     lock_score: float
     advice: str
     seconds: float
+    evidence: tuple[Evidence, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
         """Return the fields, the id in hexadecimal."""
@@ -91,6 +110,8 @@ def _plain(result: Embedding | Extraction) -> dict[str, Any]:
     values = {name: getattr(result, name) for name in names}
     if values.get("psnr_db") == inf:
         values["psnr_db"] = None
+    if "evidence" in values:
+        values["evidence"] = [entry.to_dict() for entry in values["evidence"]]
     if result.id is not None:
         values["id"] = format_id(result.id)
     return values

@@ -23,7 +23,8 @@ def verify(
     """Check that a mesh is authentic by its marks and carries the id, with the key alone.
 
     Of a model with the id alone there must be no marks that would call it altered. expected: what was embedded;
-    where: name of what holds the mesh; compressed: it was compressed on request. Raises `CapacityError` with a sentence about the layer that fails.
+    where: name of what holds the mesh; compressed: it was compressed on request.
+    Raises `CapacityError` with a sentence about the layer that fails.
     """
     found = examine(mesh, key)
     if compressed:

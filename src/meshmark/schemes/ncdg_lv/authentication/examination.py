@@ -23,7 +23,7 @@ from meshmark.schemes.ncdg_lv.binding import stranger
 from meshmark.schemes.ncdg_lv.certificate import Certificate
 from meshmark.schemes.ncdg_lv.extraction import extract
 
-__all__ = ["DOUBTFUL_LOG10", "MARKED_LOG10", "Examination", "examine", "told_by_marks"]
+__all__ = ["DOUBTFUL_LOG10", "MARKED_LOG10", "Examination", "examine"]
 
 MARKED_LOG10 = -9.0
 """Marks are there where so many hold by chance less often than this."""
@@ -150,9 +150,3 @@ def _confirmed(surface: Welded, key: Key, identity: int, checks: Checks, packed:
     if not (checks.eligible & checks.verified & ~vouched).any():
         return checks
     return check(surface, key, identity, source)
-
-
-def told_by_marks(mesh: Mesh, key: Key) -> int | None:
-    """Return the id that the marks of authentication alone tell, None where they are not surely there."""
-    checks = check(weld(mesh), key)
-    return checks.nonce if checks.log10_chance <= MARKED_LOG10 else None

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from meshmark.coding.chance import believable
 from meshmark.coding.keys import Key
 from meshmark.coding.message import format_id
 from meshmark.geometry.areas import vertex_areas
@@ -138,7 +139,7 @@ def authenticate(mesh: Mesh, key: Key, *, reference: Certificate | Mesh | None =
         payload=_payload(found),
         content=found.payload,
         id=found.id,
-        log10_false_positive=found.log10_false_positive,
+        log10_false_positive=believable(found.log10_false_positive),
         mode=MODES[type(reference)],
         certificate=_certificate(found, reference),
         advice=advice,
