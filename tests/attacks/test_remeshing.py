@@ -14,6 +14,7 @@ from meshmark.attacks.pieces import manifold_pieces
 from meshmark.attacks.remeshing import remeshing
 from meshmark.errors import InputError
 from meshmark.mesh import Mesh
+from tests.attacks.libraries import need_gpytoolbox
 from tests.attacks.surfaces import area, border, directed, euler, is_closed, sheet, unwelded, volume
 from tests.shapes import pebble
 
@@ -26,6 +27,7 @@ def remeshed(mesh: Mesh, strength: float):
 
 @cache
 def whole(strength: float):
+    need_gpytoolbox()
     return remeshed(MESH, strength)
 
 
@@ -53,6 +55,7 @@ def test_edges_get_the_length_asked_for_and_the_surface_stays(strength):
 
 
 def test_the_same_again_on_seams_and_in_another_unit():
+    need_gpytoolbox()
     for other in (unwelded(MESH), Mesh(MESH.vertices * 2.0**50, MESH.faces)):
         scale = np.ptp(other.vertices) / np.ptp(MESH.vertices)
         result = remeshed(other, 1.0).mesh
@@ -61,6 +64,7 @@ def test_the_same_again_on_seams_and_in_another_unit():
 
 
 def test_borders_fins_and_touching_parts_stay_together():
+    need_gpytoolbox()
     points, faces = sheet(6)
     low = np.min(faces, axis=1)
     fin = [[24, 25, len(points)], [25, 26, len(points)]]  # stands on two inner edges
@@ -103,6 +107,7 @@ def test_pieces_are_the_same_triangles_joined_as_manifolds_are():
 def test_a_crash_or_hang_of_the_library_is_an_answer(monkeypatch, tmp_path, program, said):
     child = tmp_path / "child.py"
     child.write_text(program)
+    monkeypatch.setattr(module, "find_spec", lambda name: name)
     monkeypatch.setattr(module, "CHILD", child)
     monkeypatch.setattr(module, "SECONDS", 1)
     with pytest.raises(InputError, match=said):
@@ -110,6 +115,7 @@ def test_a_crash_or_hang_of_the_library_is_an_answer(monkeypatch, tmp_path, prog
 
 
 def test_bad_requests_are_refused(monkeypatch):
+    monkeypatch.setattr(module, "find_spec", lambda name: name)
     with pytest.raises(InputError, match=r"expected 0\.2 to 5"):
         remeshed(MESH, 0.1)
     with pytest.raises(InputError, match="the model has no faces"):

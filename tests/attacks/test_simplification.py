@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import sys
-
 import numpy as np
 import pytest
 
@@ -85,9 +83,3 @@ def test_seams_stay_closed_and_loose_vertices_go():
 def test_a_share_of_one_is_refused():
     with pytest.raises(InputError, match="expected a share of faces below 1"):
         simplified(MESH, 1.0)
-
-
-def test_a_missing_library_is_named(monkeypatch):
-    monkeypatch.setitem(sys.modules, "fast_simplification", None)
-    with pytest.raises(InputError, match=r"meshmark\[attacks\]"):
-        simplified(MESH, 0.5)

@@ -13,6 +13,7 @@ from meshmark.attacks import ATTACKS, Attacked, Given, find_attack
 from meshmark.errors import InputError
 from meshmark.io import write_mesh
 from meshmark.mesh import Mesh
+from tests.attacks.libraries import need_gpytoolbox
 from tests.attacks.models import given_for, odd_strip, seam, seamed
 
 RANDOM = {
@@ -54,6 +55,8 @@ GIVEN = given_for(MODEL)
 
 @cache
 def attacked(name: str) -> Attacked:
+    if name == "remeshing":
+        need_gpytoolbox()
     return ATTACKS[name].apply(MODEL, ATTACKS[name].default, np.random.default_rng(1), GIVEN)
 
 

@@ -127,24 +127,6 @@ def test_the_traceback_of_a_bug_is_there_for_who_asks(cli, monkeypatch, files):
     assert "RuntimeError: detail" in ran.err
 
 
-def test_progress_is_drawn_on_a_terminal_only(monkeypatch, capsys):
-    import time
-
-    from meshmark.cli import progress
-
-    monkeypatch.setattr(progress, "_PATIENCE", 0.0)
-    monkeypatch.setattr(progress, "_REDRAW", 0.001)
-    with progress.progress("working"):
-        time.sleep(0.05)
-    assert capsys.readouterr().err == ""
-    monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
-    with progress.progress("working"):
-        time.sleep(0.05)
-    drawn = capsys.readouterr().err
-    assert "working" in drawn
-    assert drawn.endswith("\r\x1b[K"), "the bar is wiped when the work ends"
-
-
 def test_every_command_has_a_one_line_summary():
     for name, command in program.COMMANDS.items():
         first = (command.__doc__ or "").splitlines()[0]

@@ -85,7 +85,7 @@ def test_what_is_no_certificate_is_refused(name, tmp_path):
 
 
 CHANGES = {
-    "version": (("version",), 3, "its version is 3, expected 2"),
+    "version": (("version",), 4, "its version is 4, expected 3"),
     "strength": (("strength",), "huge", "'strength' is 'huge', expected one of subtle"),
     "spacing": (("spacing",), -1.0, "'spacing' is out of range, expected"),
     "step": (("step",), True, "'step' is missing or no number"),
@@ -97,7 +97,7 @@ CHANGES = {
     "axes": (("frame", "axes"), [[1, 0, 0], [0, 1, 0], [0, 0, -1]], "'axes' is not a rotation"),
     "centre": (("frame", "centre"), [1, 2], "'centre' is missing, or not 3 finite numbers"),
     "no name": (("strength",), ["subtle"], "'strength' is"),
-    "true": (("version",), True, "its version is True, expected 2"),
+    "true": (("version",), True, "its version is True, expected 3"),
     "large": (("faces",), 10**400, "'faces' is out of range"),
     "large scale": (("frame", "scale"), 10**400, "'scale' is out of range"),
     "big": (("frame", "centre"), [1, 2, 10**400], "'centre' is missing, or not 3 finite numbers"),
@@ -116,10 +116,11 @@ def test_a_field_that_is_wrong_is_named(name, values, tmp_path):
         Certificate.load(tmp_path / "bad")
 
 
-def test_an_older_version_is_refused_in_one_sentence(values, tmp_path):
-    (tmp_path / "old").write_text(json.dumps({**values, "version": 1}))
+@pytest.mark.parametrize("version", [1, 2])
+def test_an_older_version_is_refused_in_one_sentence(version, values, tmp_path):
+    (tmp_path / "old").write_text(json.dumps({**values, "version": version}))
     with pytest.raises(
-        InputError, match="old is a certificate of version 1, expected 2: older ones are not"
+        InputError, match=f"old is a certificate of version {version}, expected 3: older ones are sealed"
     ) as told:
         Certificate.load(tmp_path / "old")
     assert "is not a meshmark certificate" not in str(told.value)

@@ -13,6 +13,7 @@ from meshmark.coding.keys import Key
 from meshmark.errors import InputError
 from meshmark.geometry.areas import vertex_normals
 from meshmark.mesh import Mesh
+from meshmark.schemes.ncdg_lv.binding import bound
 from meshmark.schemes.ncdg_lv.certificate import Certificate, certify
 from meshmark.schemes.ncdg_lv.undo import FIELD, sealed, unmark, with_undo
 from tests.keys import KEY
@@ -119,18 +120,21 @@ def test_damage_is_seen(models, place):
     _, marked, certificate = models
     content = bytearray(base64.b64decode(certificate.more[FIELD]["data"]))
     content[place] ^= 1
-    value = {"version": 1, "data": base64.b64encode(content).decode()}
+    value = {"version": 2, "data": base64.b64encode(content).decode()}
+    changed = replace(certificate, more={**certificate.more, FIELD: value})
+    with pytest.raises(InputError, match="was edited"):
+        unmark(marked, KEY, changed)
     with pytest.raises(InputError, match="was changed"):
-        unmark(marked, KEY, replace(certificate, more={**certificate.more, FIELD: value}))
+        unmark(marked, KEY, bound(changed, KEY, 7))
 
 
 @pytest.mark.parametrize(
     ("value", "text"),
     [
         (None, "no undo data"),
-        ({"version": 2, "data": ""}, "has version 2"),
-        ({"version": 1}, "not in base64"),
-        ({"version": 1, "data": "AAAA"}, "has 3 bytes"),
+        ({"version": 1, "data": ""}, "has version 1, expected 2"),
+        ({"version": 2}, "not in base64"),
+        ({"version": 2, "data": "AAAA"}, "has 3 bytes"),
     ],
 )
 def test_other_fields_are_refused(models, value, text):
@@ -145,7 +149,7 @@ def test_a_certificate_that_is_not_bound_or_whose_frame_was_changed_is_refused(m
     with pytest.raises(InputError, match="not bound to any key"):
         unmark(marked, KEY, replace(certificate, more={FIELD: certificate.more[FIELD]}))
     turned = replace(certificate.frame, axes=certificate.frame.axes[:, [1, 2, 0]])
-    with pytest.raises(InputError, match="was changed"):
+    with pytest.raises(InputError, match="was edited"):
         unmark(marked, KEY, replace(certificate, frame=turned))
 
 

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
+import fast_simplification
 import numpy as np
 
 from meshmark.attacks.attack import Attacked, Given
-from meshmark.attacks.optional import library
 from meshmark.errors import InputError
 from meshmark.geometry.weld import weld
 from meshmark.mesh import FloatArray, IntArray, Mesh
@@ -27,11 +25,10 @@ def simplification(mesh: Mesh, strength: float, _rng: np.random.Generator, _give
     chain of collapses left over, which has moved to the optimal place. Where borders or folds leave no edge to
     collapse more faces stay than asked for.
 
-    Raises `InputError` for a strength of 1 or more, a mesh without faces, and where fast-simplification is missing.
+    Raises `InputError` for a strength of 1 or more, and a mesh without faces.
     """
     if strength >= 1.0:
         raise InputError(f"strength {strength:g} is out of range, expected a share of faces below 1")
-    simplifier = library("fast_simplification", "attacks")
     welded = weld(mesh)
     used, corners = np.unique(welded.faces, return_inverse=True)
     if not len(used):
@@ -44,18 +41,18 @@ def simplification(mesh: Mesh, strength: float, _rng: np.random.Generator, _give
     for size in SIZES:
         if len(faces) <= target:
             break
-        points, faces, left = _collapse(simplifier, points, faces, target, size)
+        points, faces, left = _collapse(points, faces, target, size)
         kept = kept[left]
     return Attacked(Mesh(points, faces), welded.vertex_of_point[used[kept]])
 
 
 def _collapse(
-    simplifier: Any, points: FloatArray, faces: IntArray, target: int, size: float
+    points: FloatArray, faces: IntArray, target: int, size: float
 ) -> tuple[FloatArray, IntArray, IntArray]:
     """Return points, faces and which point each one was, collapsed at this size of the model."""
     low, high = points.min(axis=0), points.max(axis=0)
     middle, scale = 0.5 * (low + high), float(np.linalg.norm(high - low)) / size
-    moved, left_faces, collapses = simplifier.simplify(
+    moved, left_faces, collapses = fast_simplification.simplify(
         (points - middle) / scale, faces.astype(np.int32), target_count=target, return_collapses=True
     )
     root = np.arange(len(points))

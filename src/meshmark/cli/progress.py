@@ -1,4 +1,7 @@
-"""A progress bar for long work: drawn on a terminal only, after a moment, and wiped when the work ends."""
+"""A progress bar for long work, drawn by rich: on a terminal only, after a moment, and wiped when the work ends.
+
+rich is imported when there is something to draw, so commands in pipes and quick ones do not wait for it.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +10,10 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rich.progress import Progress, ProgressColumn
 
 __all__ = ["counted", "progress"]
 
@@ -14,8 +21,7 @@ __all__ = ["counted", "progress"]
 _PATIENCE = 0.8
 _REDRAW = 0.1
 _WIDTH = 24
-_BLOCK = 6
-# Without a terminal, a line after so many cases.
+# Without a terminal, a line after this many cases.
 _LINE_EVERY = 100
 
 
@@ -23,7 +29,7 @@ _LINE_EVERY = 100
 def progress(label: str) -> Iterator[None]:
     """Show that `label` is going on, and for how long, while the block runs.
 
-    The length of a search or a solve is not known beforehand, so a block travels along the bar.
+    The length of a search or a solve is not known beforehand, so the bar pulses instead of filling up.
     """
     if not sys.stderr.isatty():
         yield
@@ -39,22 +45,30 @@ def progress(label: str) -> Iterator[None]:
 
 
 def _paint(label: str, done: threading.Event) -> None:
-    start = time.monotonic()
     if done.wait(_PATIENCE):
         return
-    while not done.wait(_REDRAW):
-        seconds = time.monotonic() - start
-        sys.stderr.write(f"\r{_bar(seconds)} {label}, {seconds:.0f} s ")
-        sys.stderr.flush()
-    sys.stderr.write("\r\x1b[K")
-    sys.stderr.flush()
+    from rich.progress import TimeElapsedColumn
+
+    with _bar(TimeElapsedColumn()) as bar:
+        bar.add_task(label, total=None)
+        done.wait()
 
 
-def _bar(seconds: float) -> str:
-    free = _WIDTH - _BLOCK
-    turn = int(seconds / _REDRAW) % (2 * free)
-    left = turn if turn <= free else 2 * free - turn
-    return "[" + " " * left + "=" * _BLOCK + " " * (free - left) + "]"
+def _bar(*columns: ProgressColumn, live: bool = True) -> Progress:
+    """Return a bar, its description, and further columns; live: redrawn by a thread of its own."""
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn
+
+    return Progress(
+        BarColumn(_WIDTH),
+        TextColumn("{task.description}", markup=False),
+        *columns,
+        console=Console(stderr=True),
+        transient=True,
+        auto_refresh=live,
+        redirect_stdout=False,
+        redirect_stderr=False,
+    )
 
 
 @contextmanager
@@ -71,6 +85,7 @@ class _Counted:
     def __init__(self, noun: str) -> None:
         self.noun, self.terminal = noun, sys.stderr.isatty()
         self.start, self.first, self.drawn = time.monotonic(), -1, 0.0
+        self.bar: Progress | None = None
 
     def __call__(self, done: int, total: int, failed: int) -> None:
         if self.first < 0:
@@ -78,24 +93,27 @@ class _Counted:
         now = time.monotonic()
         if self.terminal and (now - self.drawn > _REDRAW or done == total):
             self.drawn = now
-            sys.stderr.write(f"\r{self._line(done, total, failed)}\x1b[K")
+            self._draw(done, total, failed)
         elif not self.terminal and (done % _LINE_EVERY == 0 or done == total):
             sys.stderr.write(f"{self._line(done, total, failed)}\n")
-        sys.stderr.flush()
+            sys.stderr.flush()
 
     def end(self) -> None:
-        if self.terminal and self.drawn:
-            sys.stderr.write("\r\x1b[K")
-            sys.stderr.flush()
+        if self.bar is not None:
+            self.bar.stop()
+
+    def _draw(self, done: int, total: int, failed: int) -> None:
+        if self.bar is None:
+            self.bar = _bar(live=False)  # worker processes are forked: no thread may hold a lock then
+            self.bar.add_task("")
+            self.bar.start()
+        line = self._line(done, total, failed)
+        self.bar.update(self.bar.task_ids[0], completed=done, total=total, description=line, refresh=True)
 
     def _line(self, done: int, total: int, failed: int) -> str:
         rate = (done - self.first) / max(time.monotonic() - self.start, 1e-9)
-        filled = _WIDTH * done // total
-        bar = "[" + "=" * filled + " " * (_WIDTH - filled) + "] " if self.terminal else ""
         left = _clock((total - done) / rate)
-        return (
-            f"{bar}{done:,} of {total:,} {self.noun}, {failed:,} failed, {rate:.1f} per second, {left} left"
-        )
+        return f"{done:,} of {total:,} {self.noun}, {failed:,} failed, {rate:.1f} per second, {left} left"
 
 
 def _clock(seconds: float) -> str:

@@ -97,7 +97,10 @@ class Key:
             raise _unwritten(target, error) from None
 
     def subkey(self, purpose: str) -> bytes:
-        """Return the 32 bytes for one purpose: HMAC-SHA256 of its name, as HKDF expands (RFC 5869)."""
+        """Return the 32 bytes for one purpose: HMAC-SHA256 of its name.
+
+        The name stands where HKDF (RFC 5869) has its info and a counter: one block of pseudorandom output.
+        """
         if not purpose:
             raise InputError("a subkey needs the name of its purpose, got an empty one")
         return hmac.digest(self._secret, _DOMAIN + purpose.encode(), hashlib.sha256)

@@ -42,9 +42,12 @@ def format_numbers(style: NumberStyle, digits: int, values: FloatArray) -> tuple
     """
     places = _places(style, digits, values)
     easy = _countable(places, values)
-    hard = [word.encode("ascii") for word in _words(style, digits, values[~easy], places[~easy])]
+    hard = _words(style, digits, values[~easy], places[~easy])
+    sizes = np.array(list(map(len, hard)), dtype=np.int64)
+    if not easy.any():
+        return np.frombuffer("".join(hard).encode("ascii"), dtype=np.uint8), sizes
     figures = int(places[easy].max(initial=0)) + 1 + len(str(int(np.abs(values[easy]).max(initial=0))))
-    width = max([figures + 2, *map(len, hard)])
+    width = max(figures + 2, int(sizes.max(initial=0)))
     cells = np.full((len(values), width), _ZERO, dtype=np.uint8)
     begins, ends = np.empty(len(values), dtype=np.int64), np.full(len(values), width)
     for decimals in np.flatnonzero(np.bincount(places[easy])).tolist():
@@ -53,9 +56,9 @@ def format_numbers(style: NumberStyle, digits: int, values: FloatArray) -> tuple
         cells[rows], begins[rows] = _print_units(units, decimals, width)
         if style.kind != "fixed":
             ends[rows] -= _spare_zeros(cells[rows], decimals, style.least)
-    for row, word in zip(np.flatnonzero(~easy).tolist(), hard, strict=True):
-        cells[row, width - len(word) :] = np.frombuffer(word, dtype=np.uint8)
-        begins[row] = width - len(word)
+    if hard:
+        cells[~easy] = np.array(hard, dtype=f"S{width}").view(np.uint8).reshape(-1, width)
+        begins[~easy], ends[~easy] = 0, sizes
     column = np.arange(width)
     return cells[(column >= begins[:, None]) & (column < ends[:, None])], ends - begins
 

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import base64
 import io
-import re
 from collections.abc import Sequence
-from html import escape
-from importlib import resources
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -21,6 +19,7 @@ from meshmark.io.staging import Staging
 from meshmark.io.whole import write_whole
 from meshmark.mesh import FloatArray, IntArray, Mesh
 from meshmark.report.colours import oklch
+from meshmark.report.html import html_page, trusted
 from meshmark.report.picture import CLAY, Panel, on_screen, render
 from meshmark.report.raster import EMPTY, rasterise
 from meshmark.report.view import from_behind, three_quarter_view
@@ -53,6 +52,24 @@ _LEAST_SEEN = 0.002
 _GRID = 200
 
 
+@dataclass(frozen=True, kw_only=True)
+class _Number:
+    """A region's number on a picture; x, y: in per cent of its sides, as text."""
+
+    x: str
+    y: str
+    label: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class _View:
+    """A picture, its source an address with the picture in it, and the numbers that lie over it."""
+
+    caption: str
+    source: str
+    numbers: tuple[_Number, ...]
+
+
 def write_authentication_page(
     mesh: Mesh, found: Authentication, name: str, path: Path | str, staging: Staging | None = None
 ) -> None:
@@ -65,30 +82,32 @@ def write_authentication_page(
 
 def authentication_page(mesh: Mesh, found: Authentication, name: str) -> str:
     """Return the page; every text in it is escaped."""
-    welded = weld(mesh)
-    style = resources.files("meshmark").joinpath("report/authentication.css").read_text(encoding="utf-8")
     unsigned = found.verdict == "inconclusive" and found.id is not None
     heading = _UNSIGNED if unsigned else _TITLES[found.verdict]
-    title = f"{name}: {heading}"
-    return (
-        '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">\n'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        '<meta name="color-scheme" content="light dark">\n'
-        f'<link rel="icon" href="data:,">\n<title>{escape(title)}</title>\n<style>\n{style}</style></head>\n'
-        f'<body><main class="{found.verdict}">\n<p class="file">{escape(name)}</p>'
-        f"<h1>{heading}</h1>\n"
-        f'<p class="lead">{_prose(found.advice)}</p>\n<p>{"" if unsigned else _NEXT[found.verdict]}</p>\n'
-        f"{_facts(mesh, found)}\n"
-        f'<h2>The model</h2>\n<div class="views">{_views(welded, found)}</div>\n'
-        f"<h2>Its regions</h2>\n{_table(found.regions)}\n</main></body></html>\n"
+    regions = sorted(
+        found.regions, key=lambda region: (region.verdict != "altered", -region.failed, region.id)
+    )
+    return html_page(
+        "authentication.html",
+        "report",
+        title=f"{name}: {heading}",
+        name=name,
+        verdict=found.verdict,
+        heading=heading,
+        advice=found.advice,
+        next="" if unsigned else trusted(_NEXT[found.verdict]),
+        facts=_facts(mesh, found),
+        views=_views(weld(mesh), found),
+        size=SIZE,
+        regions=regions,
     )
 
 
-def _facts(mesh: Mesh, found: Authentication) -> str:
+def _facts(mesh: Mesh, found: Authentication) -> list[tuple[str, str]]:
     payload = {"recovered": "read in full", "partial": "damaged", "none": "none"}[found.payload]
     if found.content is not None and found.payload == "recovered":
         payload = f"{found.content.kind}, {len(found.content.content):,} bytes, read in full"
-    rows = [
+    return [
         ("Size", f"{len(mesh.vertices):,} vertices, {len(mesh.faces):,} faces"),
         (
             "Altered",
@@ -98,7 +117,6 @@ def _facts(mesh: Mesh, found: Authentication) -> str:
         ("Payload", payload),
         ("Without the key", _chance(found)),
     ]
-    return "<dl>" + "".join(f"<dt>{name}</dt><dd>{_prose(text)}</dd>" for name, text in rows) + "</dl>"
 
 
 def altered_colours(altered: NDArray[np.bool_]) -> FloatArray:
@@ -106,7 +124,7 @@ def altered_colours(altered: NDArray[np.bool_]) -> FloatArray:
     return np.where(altered[:, None], RED, CLAY)
 
 
-def _views(welded: Welded, found: Authentication) -> str:
+def _views(welded: Welded, found: Authentication) -> list[_View]:
     altered = found.altered[welded.vertex_of_point]
     region = found.region[welded.vertex_of_point]
     colours = altered_colours(altered)
@@ -115,12 +133,12 @@ def _views(welded: Welded, found: Authentication) -> str:
     plain = Panel("", welded.points, welded.faces, colours)
     shades = _shades(found.regions)
     parted = Panel("", welded.points, welded.faces, shades, labels=region)
-    return (
-        _figure(plain, front, "From the front, altered parts in red")
-        + _figure(plain, back, "From behind")
-        + _figure(parted, front, "Its regions, altered ones in red", region)
-        + _figure(parted, back, "Its regions from behind", region)
-    )
+    return [
+        _view(plain, front, "From the front, altered parts in red"),
+        _view(plain, back, "From behind"),
+        _view(parted, front, "Its regions, altered ones in red", region),
+        _view(parted, back, "Its regions from behind", region),
+    ]
 
 
 def _shades(regions: Sequence[Region]) -> FloatArray:
@@ -135,13 +153,9 @@ def _shades(regions: Sequence[Region]) -> FloatArray:
     return np.where(called[:, None], red, grey)
 
 
-def _figure(panel: Panel, view: FloatArray, caption: str, region: IntArray | None = None) -> str:
-    shown = render(panel, SIZE, view)
-    numbers = "" if region is None else _numbers(panel, view, region)
-    return (
-        f'<figure><div class="shot"><img src="{_source(shown)}" alt="{escape(caption)}" width="{SIZE}" '
-        f'height="{SIZE}">{numbers}</div><figcaption>{escape(caption)}</figcaption></figure>'
-    )
+def _view(panel: Panel, view: FloatArray, caption: str, region: IntArray | None = None) -> _View:
+    numbers = () if region is None else _numbers(panel, view, region)
+    return _View(caption=caption, source=_source(render(panel, SIZE, view)), numbers=numbers)
 
 
 def _source(shown: NDArray[np.uint8]) -> str:
@@ -150,40 +164,22 @@ def _source(shown: NDArray[np.uint8]) -> str:
     return "data:image/png;base64," + base64.b64encode(packed.getvalue()).decode("ascii")
 
 
-def _numbers(panel: Panel, view: FloatArray, region: IntArray) -> str:
-    """Return the regions' numbers as a drawing that lies over the picture."""
+def _numbers(panel: Panel, view: FloatArray, region: IntArray) -> tuple[_Number, ...]:
+    """Return the regions' numbers, where they stand on the picture."""
     _, screen = on_screen(panel.points, panel.faces, _GRID, view)
     seen = rasterise(screen, panel.faces, _GRID, _GRID)
     rows, columns = np.nonzero(seen != EMPTY)
     label = region[panel.faces[seen[rows, columns], 0]]
-    parts = []
+    numbers = []
     for number in np.unique(label):
         held = label == number
         if held.sum() < _LEAST_SEEN * _GRID**2:
             continue
         y, x = rows[held], columns[held]
         best = int(np.argmin((x - np.median(x)) ** 2 + (y - np.median(y)) ** 2))
-        at = f'cx="{100 * x[best] / _GRID:.1f}" cy="{100 * y[best] / _GRID:.1f}"'
-        parts.append(f'<circle {at} r="2"/><text {at.replace("cx", "x").replace("cy", "y")}>{number}</text>')
-    return f'<svg viewBox="0 0 100 100" aria-hidden="true">{"".join(parts)}</svg>'
-
-
-def _table(regions: Sequence[Region]) -> str:
-    regions = sorted(regions, key=lambda region: (region.verdict != "altered", -region.failed, region.id))
-    rows = "\n".join(
-        f'<tr><th scope="row">{region.id}</th><td class="word">{region.where}</td>'
-        f'<td class="word {region.verdict}">{region.verdict}</td><td>{region.probability:.4f}</td>'
-        f"<td>{region.checks:,}</td><td>{region.failed:,}</td></tr>"
-        for region in regions
-    )
-    return (
-        '<div class="scroll"><table><thead><tr><th scope="col">Region</th><th scope="col" class="word">Where</th>'
-        '<th scope="col" class="word">Verdict</th><th scope="col">Probability</th><th scope="col">Checks</th>'
-        f'<th scope="col">Failed</th></tr></thead><tbody>\n{rows}</tbody></table></div>'
-        '<p class="note">Altered regions first. Where: the altered part of it, else its middle, as the '
-        "pictures from the front show it. Probability: that "
-        "the region was altered. Checks: places in it that could be told; failed: those that are altered.</p>"
-    )
+        place = (f"{100 * x[best] / _GRID:.1f}", f"{100 * y[best] / _GRID:.1f}")
+        numbers.append(_Number(x=place[0], y=place[1], label=int(number)))
+    return tuple(numbers)
 
 
 def _chance(found: Authentication) -> str:
@@ -193,7 +189,3 @@ def _chance(found: Authentication) -> str:
 
 def _percent(share: float) -> str:
     return f"{100 * share:.2g} %" if share < 0.995 else f"{100 * share:.0f} %"
-
-
-def _prose(text: str) -> str:
-    return re.sub(r"\^(−?\d+)", r"<sup>\1</sup>", escape(text).replace(" %", "&nbsp;%"))

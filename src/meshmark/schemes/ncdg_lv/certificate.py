@@ -3,7 +3,7 @@
 It holds landmarks (centres of smooth windows of the surface, with normals and descriptors), the canonical frame and
 the lattice's parameters: neither the surface nor anything of the key. The file is one JSON object:
 
-    format "meshmark certificate", version 2; other versions are refused
+    format "meshmark certificate", version 3; other versions are refused
     vertices, faces      counts of the marked model
     spacing, step        of the lattice, in canonical units and in spacings; strength subtle, standard or strong
     frame                of the marked model: centre, scale, axes (columns), moments, area, skewness
@@ -12,10 +12,11 @@ the lattice's parameters: neither the surface nor anything of the key. The file 
     layers               what was embedded: both, ownership or authentication
     written              of a model with the id alone: keyed digest of its positions, lock and cells of its lattice
                          (see `authentication.as_written`)
-    binding              keyed digests of the frame, of frame and id, and of layers and written (see `binding`)
+    binding              keyed digests of all other fields, of the key, and of the id (see `binding`)
     undo                 sealed data that takes the mark off again (see `undo`)
 
-Fields that a reader does not know are kept as they are, so later versions of meshmark can add some.
+Fields that a reader does not know are kept as they are, and bound like all others, so later versions of meshmark
+can add some.
 """
 
 from __future__ import annotations
@@ -45,7 +46,7 @@ from meshmark.schemes.ncdg_lv.parameters import BUDGETS
 __all__ = ["LANDMARKS", "Certificate", "certify"]
 
 LANDMARKS = 400
-FORMAT, VERSION = "meshmark certificate", 2
+FORMAT, VERSION = "meshmark certificate", 3
 # A certificate has below 100 kB, and about 5 bytes of undo data per vertex; what is far larger is not read.
 LONGEST = 200_000_000
 MOST_LANDMARKS = 20_000
@@ -73,12 +74,9 @@ class Certificate:
     faces: int
     more: Mapping[str, Any] = field(default_factory=dict)
 
-    def save(self, path: str | os.PathLike[str], staging: Staging | None = None) -> None:
-        """Write the certificate; raises `OutputError` where the file cannot be written.
-
-        staging: takes the file, to move it into place together with others.
-        """
-        values = {
+    def to_dict(self) -> dict[str, Any]:
+        """Return the fields of the file, plain JSON values."""
+        return {
             "format": FORMAT,
             "version": VERSION,
             "vertices": self.vertices,
@@ -97,7 +95,24 @@ class Certificate:
             "landmarks": _packed(self.landmarks),
             **self.more,
         }
-        text = json.dumps(values, indent=1, allow_nan=False) + "\n"
+
+    def canonical(self, without: str) -> bytes:
+        """Return the fields but one in a fixed order and spelling, the same before and after a round trip.
+
+        Raises `InputError` where further fields are nested too deeply.
+        """
+        values = {name: value for name, value in self.to_dict().items() if name != without}
+        try:
+            return json.dumps(values, sort_keys=True, separators=(",", ":")).encode("ascii")
+        except RecursionError:
+            raise InputError("the certificate's fields are nested too deeply") from None
+
+    def save(self, path: str | os.PathLike[str], staging: Staging | None = None) -> None:
+        """Write the certificate; raises `OutputError` where the file cannot be written.
+
+        staging: takes the file, to move it into place together with others.
+        """
+        text = json.dumps(self.to_dict(), indent=1, allow_nan=False) + "\n"
         write_whole(os.fspath(path), text.encode("ascii"), staging)
 
     @classmethod
@@ -225,8 +240,8 @@ def _parse(content: bytes) -> Certificate:
     version = values.get("version")
     if type(version) is int and 0 < version < VERSION:
         raise _OldVersionError(
-            f"is a certificate of version {version}, expected {VERSION}: older ones are not bound to key and "
-            "id, and no longer read; go without it, or mark the model anew"
+            f"is a certificate of version {version}, expected {VERSION}: older ones are sealed otherwise and no "
+            "longer read; go without it, or mark the original again"
         )
     if type(version) is not int or version != VERSION:
         raise InputError(f"its version is {version!r}, expected {VERSION}")

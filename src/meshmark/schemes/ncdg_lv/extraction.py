@@ -16,7 +16,7 @@ from meshmark.coding.keys import Key
 from meshmark.errors import InputError
 from meshmark.geometry.weld import Welded, weld
 from meshmark.mesh import Mesh
-from meshmark.schemes.ncdg_lv.binding import stranger
+from meshmark.schemes.ncdg_lv.binding import refuse_edited, stranger
 from meshmark.schemes.ncdg_lv.certificate import Certificate
 from meshmark.schemes.ncdg_lv.cropping import cropped_readings
 from meshmark.schemes.ncdg_lv.locking import locked_readings, registered_readings, stretched_readings
@@ -74,13 +74,16 @@ def extract(
     spacings: lattice spacings to read; by default all that an embedding may have chosen.
     locking: also read shapes from before an attack, and correct their frames.
     time_limit: seconds after which a search gives up; "inconclusive" where it had not found the mark by then.
-    Raises `InputError` for an unknown search, a time limit not above 0, or where the mesh has no surface.
+    Raises `InputError` for an unknown search, a time limit not above 0, a certificate of this key that was edited,
+    or where the mesh has no surface.
     """
     start = perf_counter()
     if search not in SEARCHES:
         raise InputError(f"unknown search '{search}', expected one of {', '.join(SEARCHES)}")
     if time_limit is not None and not time_limit > 0.0:
         raise InputError(f"a time limit of {time_limit:g} seconds is out of range, expected more than 0")
+    if isinstance(reference, Certificate):
+        refuse_edited(reference, key)
     found = find(mesh, key, search == "wide", spacings, locking, reference, time_limit)
     result = _result(found, Codec(key), MODES[type(reference)], perf_counter() - start)
     remark = stranger(reference, key, result.id) if isinstance(reference, Certificate) else None

@@ -1,15 +1,13 @@
 """Undo data: what takes both layers' changes off a marked model again, kept in its certificate for the key's owner.
 
 The displacement of each vertex, in canonical coordinates and whole steps, is predicted from neighbours on the
-mesh, compressed, and sealed: encrypted and authenticated by streams that only the key gives, so that the
-certificate stays safe to hand out. It is bound to the faces, not to the place: a turned, scaled or moved copy can
-be unmarked, too.
+mesh, compressed, and sealed (`sealing`), so that the certificate stays safe to hand out. It is bound to the faces,
+not to the place: a turned, scaled or moved copy can be unmarked, too.
 """
 
 from __future__ import annotations
 
 import base64
-import hmac
 import lzma
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -20,7 +18,6 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.spatial import cKDTree
 
-from meshmark.coding.keyed import keyed_words
 from meshmark.coding.keys import Key
 from meshmark.errors import InputError
 from meshmark.geometry.adjacency import adjacency, unique_edges
@@ -30,8 +27,9 @@ from meshmark.geometry.weld import weld
 from meshmark.io.save import conform
 from meshmark.mesh import FloatArray, IntArray, Mesh
 from meshmark.schemes.ncdg_lv.authentication.as_written import with_written
-from meshmark.schemes.ncdg_lv.binding import bound, stranger
+from meshmark.schemes.ncdg_lv.binding import bound, refuse_edited, stranger
 from meshmark.schemes.ncdg_lv.certificate import Certificate
+from meshmark.schemes.ncdg_lv.sealing import TAG_BYTES, open_sealed, seal
 
 __all__ = ["FIELD", "STEP", "Unmarked", "sealed", "unmark", "with_undo"]
 
@@ -39,8 +37,8 @@ FIELD = "undo"
 """Name of the certificate's field."""
 STEP = 2.5e-7
 """Step of a displacement's coordinates over the diagonal."""
-VERSION = 1
-TAG_BYTES, DIGEST_BYTES = 16, 16
+VERSION = 2
+DIGEST_BYTES = 16
 # Vertices are told in levels, each from those before it: one in so many, and over how many edges they are averaged.
 LEVELS = ((256, 0), (64, 16), (16, 8), (4, 4), (1, 2))
 # A frame this near the certificate's is the same: what is left is rounding.
@@ -71,13 +69,12 @@ def sealed(
 
     That of a model with the id alone also keeps what the model was like.
     """
-    made = (
-        with_written(certificate, marked, key)
-        if certificate.more.get("layers") == "ownership"
-        else certificate
-    )
-    made = bound(made, key, identity)
-    return made if original is None else with_undo(made, original, marked, key)
+    made = certificate
+    if made.more.get("layers") == "ownership":
+        made = with_written(made, marked, key)
+    if original is not None:
+        made = with_undo(made, original, marked, key)
+    return bound(made, key, identity)
 
 
 def with_undo(certificate: Certificate, original: Mesh, marked: Mesh, key: Key) -> Certificate:
@@ -96,7 +93,7 @@ def with_undo(certificate: Certificate, original: Mesh, marked: Mesh, key: Key) 
     body = _compressed(_residuals(whole.astype(np.int64), _Predictor(marked, frame)))
     value = {
         "version": VERSION,
-        "data": base64.b64encode(_sealed(head + body, key)).decode("ascii"),
+        "data": base64.b64encode(seal(head + body, key)).decode("ascii"),
     }
     return replace(certificate, more={**certificate.more, FIELD: value})
 
@@ -109,7 +106,8 @@ def unmark(mesh: Mesh, key: Key, certificate: Certificate) -> Unmarked:
     data, remark = _data(certificate), stranger(certificate, key, None)
     if remark is not None:
         raise InputError(f"{remark[:1].lower()}{remark[1:].rstrip('.')}")
-    plain = _opened(data, key)
+    refuse_edited(certificate, key)
+    plain = open_sealed(data, key)
     start = 8 + 2 * DIGEST_BYTES
     step = float(np.frombuffer(plain[:8], "<f8")[0])
     faces, positions = plain[8 : 8 + DIGEST_BYTES], plain[8 + DIGEST_BYTES : start]
@@ -228,30 +226,6 @@ def _expanded(content: bytes, count: int) -> IntArray:
     planes = np.frombuffer(lzma.decompress(content, lzma.FORMAT_RAW, filters=_FILTERS), np.uint8)
     coded = np.ascontiguousarray(planes.reshape(4, -1).T).view("<u4").reshape(3, count).T.astype(np.int64)
     return np.where(coded % 2 == 1, -(coded + 1) // 2, coded // 2)
-
-
-def _sealed(plain: bytes, key: Key) -> bytes:
-    """Return tag and cipher text: the stream's key comes from the tag, so that no two texts share a stream."""
-    tag = _tag(plain, key)
-    return tag + _exchanged(plain, tag, key)
-
-
-def _opened(sealed: bytes, key: Key) -> bytes:
-    tag, cipher = sealed[:TAG_BYTES], sealed[TAG_BYTES:]
-    plain = _exchanged(cipher, tag, key)
-    if not hmac.compare_digest(_tag(plain, key), tag):
-        raise InputError("the certificate's undo data was changed or made with another key")
-    return plain
-
-
-def _tag(plain: bytes, key: Key) -> bytes:
-    return blake2b(plain, digest_size=TAG_BYTES, key=key.subkey("undo tag")).digest()
-
-
-def _exchanged(text: bytes, tag: bytes, key: Key) -> bytes:
-    stream = blake2b(tag, digest_size=32, key=key.subkey("undo stream")).digest()
-    words = keyed_words(stream, -(-len(text) // 8)).astype("<u8")
-    return (np.frombuffer(text, np.uint8) ^ np.frombuffer(words.tobytes(), np.uint8)[: len(text)]).tobytes()
 
 
 def _data(certificate: Certificate) -> bytes:

@@ -19,7 +19,7 @@ from meshmark.schemes.ncdg_lv.authentication.checks import Checks, check
 from meshmark.schemes.ncdg_lv.authentication.localisation import altered_points
 from meshmark.schemes.ncdg_lv.authentication.payload import Payload, decode, unpack
 from meshmark.schemes.ncdg_lv.authentication.whole import unmarked_parts, used_points
-from meshmark.schemes.ncdg_lv.binding import stranger
+from meshmark.schemes.ncdg_lv.binding import refuse_edited, stranger
 from meshmark.schemes.ncdg_lv.certificate import Certificate
 from meshmark.schemes.ncdg_lv.extraction import extract
 
@@ -77,8 +77,11 @@ class Examination:
 def examine(mesh: Mesh, key: Key, reference: Certificate | Mesh | None = None) -> Examination:
     """Look for the marks of a mesh; where they do not tell the model's id, the ownership layer is asked.
 
-    reference: helps to find the ownership layer. Raises `InputError` where the mesh has no surface.
+    reference: helps to find the ownership layer. Raises `InputError` where the mesh has no surface, and for a
+    certificate of this key that was edited.
     """
+    if isinstance(reference, Certificate):
+        refuse_edited(reference, key)
     surface = weld(mesh)
     checks = check(surface, key)
     identity = checks.nonce
