@@ -7,7 +7,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from meshmark.schemes.ncdg_lv.authentication.search import _densest
+from meshmark.carriers.rings import ordered_rings
+from meshmark.carriers.rings_shape import ring_shapes
+from meshmark.geometry.weld import weld
+from meshmark.mesh import Mesh
+from meshmark.schemes.ncdg_lv.authentication.marks import mark
+from meshmark.schemes.ncdg_lv.authentication.parameters import FAR_AWAY
+from meshmark.schemes.ncdg_lv.authentication.search import _densest, likeliest_setting
+from tests.keys import ID, KEY
+from tests.shapes import pebble
 
 
 @given(
@@ -37,3 +45,17 @@ def test_marks_that_hold_by_luck_elsewhere_do_not_move_it() -> None:
     assert values[begin] == own[0]
     assert end - begin == len(own)
     assert least <= -31.0 <= most
+
+
+@pytest.mark.parametrize("times", [9.0, 9.6, 9.8, 10.0])
+def test_a_step_at_the_edge_of_the_likely_ones_is_found_among_all(times: float) -> None:
+    points, faces = pebble(72)
+    surface = weld(Mesh(points, faces))
+    error = times * FAR_AWAY * float(np.linalg.norm(np.ptp(points, axis=0)))
+    done = mark(surface, KEY, ID, lambda index: (index & np.uint32(15)).astype(np.uint16), error)
+    rings = ordered_rings(faces, len(points))
+    rounded = done.points + error * np.random.default_rng(1).uniform(-1.0, 1.0, points.shape)
+    shapes = [ring_shapes(rounded, group) for group in rings]
+    found = likeliest_setting(rounded, rings, shapes, KEY, None)
+    assert found is not None
+    assert abs(2.0 * np.log2(found.unit / done.step)) <= found.doubts
