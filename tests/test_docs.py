@@ -15,6 +15,7 @@ import meshmark as mm
 from meshmark.cli.commands import COMMANDS
 from meshmark.cli.extract import EXIT_CODES
 from meshmark.io import FORMATS
+from tests.counting import some
 
 ROOT = Path(__file__).resolve().parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -37,7 +38,7 @@ def test_the_readme_names_every_format_and_what_a_conversion_keeps():
     rows = dict(re.findall(r"^\| \w+ \| `(\.\w+)` \| [^|]+ \| ([^|]+) \|$", README, re.MULTILINE))
     words = {"normals": "normals", "texcoords": "texture coordinates", "colors": "colours"}
     assert rows.keys() == {entry.extensions[0] for entry in FORMATS.values()}
-    for entry in FORMATS.values():
+    for entry in some(FORMATS.values()):
         kept = {name for name, word in words.items() if word in rows[entry.extensions[0]]}
         assert kept == entry.keeps, entry.name
 
@@ -49,7 +50,7 @@ def test_the_readme_names_every_strength_with_its_budget_and_psnr():
 
     rows = re.findall(r"^\| `(\w+)` \| ([\d.]+) % \| ([\d.]+) dB \|", README, re.MULTILINE)
     assert {name: float(share) / 100 for name, share, _ in rows} == pytest.approx(BUDGETS)
-    for name, _, psnr in rows:
+    for name, _, psnr in some(rows):
         assert 0 <= -20 * log10(BUDGETS[name]) - float(psnr) < 0.1
 
 
@@ -79,7 +80,7 @@ def test_the_tour_runs_and_prints_what_the_readme_shows(tmp_path, monkeypatch, c
     with resources.as_file(resources.files("meshmark") / "data" / "hare.ply.gz") as hare:
         mm.write_mesh(mm.read_mesh(hare), "hare.ply")
     tour = re.findall(r"```console\n(.*?)```", README, re.DOTALL)[0]
-    for line, shown in re.findall(r"^\$ meshmark (.*)\n((?:(?!\$).*\n)*)", tour, re.MULTILINE):
+    for line, shown in some(re.findall(r"^\$ meshmark (.*)\n((?:(?!\$).*\n)*)", tour, re.MULTILINE)):
         assert main(shlex.split(line)) == ("extract hare" in line or "authenticate edited" in line)
         assert blurred(capsys.readouterr().out) == blurred(shown), line
         if "keygen" in line:  # which regions a part lies in depends on the key
@@ -100,7 +101,7 @@ def blurred(text: str) -> list[str]:
 @pytest.mark.parametrize("page", PAGES, ids=lambda path: str(path.relative_to(ROOT)))
 def test_links_lead_somewhere(page):
     text = re.sub(r"```.*?```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL)
-    for target in re.findall(r"\]\(([^)#:]+)\)", text):
+    for target in some(re.findall(r"\]\(([^)#:]+)\)", text)):
         assert (page.parent / target).exists(), target
 
 
@@ -117,7 +118,7 @@ def test_the_changelog_tells_of_this_version():
 def test_the_constraints_are_names_and_versions_only():
     lines = (ROOT / "constraints.txt").read_text().splitlines()
     assert lines
-    assert all(re.fullmatch(r"[A-Za-z0-9._-]+==[0-9][A-Za-z0-9.]*", line) for line in lines)
+    assert all(re.fullmatch(r"[A-Za-z0-9._-]+==[0-9][A-Za-z0-9.]*", line) for line in some(lines))
 
 
 def test_the_model_that_comes_along_is_closed_and_well_shaped():

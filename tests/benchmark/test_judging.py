@@ -13,6 +13,7 @@ from meshmark.benchmark.row import Case
 from meshmark.errors import InputError
 from meshmark.schemes import SCHEMES
 from meshmark.schemes.scheme import Readout
+from tests.counting import some
 
 MODEL = "train/even.ply"
 
@@ -37,7 +38,7 @@ def judged(toys, models, tmp_path):
     """Mark what a case needs, and judge it."""
 
     def go(each):
-        for wanted in marks_of(each):
+        for wanted in some(marks_of(each)):
             assert mark(models, tmp_path, wanted).status == "ok"
         return judge(models, tmp_path, each).figures
 

@@ -14,6 +14,7 @@ from PIL import Image
 from test_commands import only_object
 
 import meshmark as mm
+from tests.counting import some
 
 FIELDS = {
     "verdict", "altered_vertices", "altered_area_fraction", "regions", "payload", "log10_false_positive", "seconds",
@@ -80,7 +81,7 @@ def test_an_untouched_model_is_authentic(cli, files, tmp_path):
     assert (found["verdict"], found["altered_vertices"], found["payload"]) == ("authentic", 0, "recovered")
     assert found["log10_false_positive"] < -100
     assert found["regions"]
-    assert all(region.keys() >= REGION for region in found["regions"])
+    assert all(region.keys() >= REGION for region in some(found["regions"]))
     assert {region["verdict"] for region in found["regions"]} == {"intact"}
     positions, _, altered = read_map(tmp_path / "map.ply")
     assert np.array_equal(positions, mm.read_mesh(files.marked).vertices)

@@ -13,6 +13,7 @@ import meshmark as mm
 from meshmark.errors import InputError
 from meshmark.mesh import Mesh
 from meshmark.metrics import METRICS, compare, surface_distance
+from tests.counting import some
 from tests.shapes import pebble
 
 BOX = Mesh(
@@ -55,7 +56,7 @@ def ideal(name):
 
 def test_every_promised_measure_is_there_and_says_what_it_is():
     assert set(PROMISED) <= METRICS.keys()
-    for metric in METRICS.values():
+    for metric in some(METRICS.values()):
         assert metric.limits[0] < metric.limits[1]
         assert metric.meaning
         assert metric.function.__doc__

@@ -15,6 +15,7 @@ from meshmark.recovery.miniature import miniature, read_miniature
 from meshmark.recovery.range_coder import Decoder, Encoder, Model
 from meshmark.recovery.refining import split_long_edges
 from meshmark.recovery.simplify import simplify
+from tests.counting import Share
 from tests.shapes import pebble, sphere_with_a_spike
 
 
@@ -76,14 +77,29 @@ def test_other_bytes_are_no_miniature(content):
         read_miniature(content)
 
 
-@settings(max_examples=40, deadline=None)
-@given(st.binary(min_size=1, max_size=60))
-def test_random_bytes_never_break_the_reader(content):
-    try:
-        places, faces = read_miniature(b"\x07" + content)
-    except MeshmarkError:
-        return
-    assert faces.max() < len(places)
+def test_changed_bytes_never_break_the_reader():
+    whole = miniature(*pebble(24), 80)
+
+    @settings(max_examples=200, deadline=None)
+    @given(
+        st.lists(st.tuples(st.integers(1, len(whole) - 1), st.integers(0, 255)), min_size=1, max_size=3),
+        st.binary(max_size=3),
+    )
+    def changed(edits, behind):
+        content = bytearray(whole + behind)
+        for place, value in edits:
+            content[place] = value
+        share.case()
+        try:
+            places, faces = read_miniature(bytes(content))
+        except MeshmarkError:
+            return
+        share.asserted()
+        assert np.isfinite(places).all()
+        assert 0 <= faces.min() <= faces.max() < len(places)
+
+    with Share(0.1) as share:
+        changed()
 
 
 def test_coding_gives_the_faces_back_in_place():
