@@ -21,7 +21,7 @@ demo: setup  ## the whole way on one model, into demo-out/
 	$(BIN)/meshmark demo --out demo-out
 
 test: setup  ## all tests, in a process on each core (four at most)
-	$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist loadfile
+	$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist loadfile --no-loadscope-reorder
 
 check: setup  ## style and types
 	$(BIN)/ruff check .

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.conftest import SLOWEST
 from tests.counting import Share, some
 from tests.hidden_assertions import hidden_assertions
 
@@ -109,3 +110,7 @@ def test_some_are_as_many_as_stated():
         some([])
     with pytest.raises(AssertionError, match="expected 3 at least"):
         some("ab", least=3)
+
+
+def test_the_slowest_files_are_there():
+    assert [name for name in some(SLOWEST) if not (HERE / name).is_file()] == []

@@ -24,7 +24,7 @@ from meshmark.io import FORMATS
 from meshmark.metrics.shape import describe
 from tests.counting import some
 
-# As ../shared/data/README.md has them.
+# Numbers of points on both sides of every limit.
 CLASSES = {
     0: "< 500",
     499: "< 500",

@@ -41,7 +41,7 @@ def test_robust_has_every_attack_on_the_whole_model():
     assert {case.budget for case in cases("robust", "toy", "m", 0)} == {"standard", "subtle"}
 
 
-# DESIGN section 11, the reference numbers of the benchmark.
+# The strengths of the 3D mesh watermarking benchmark, for which others' figures are published.
 REFERENCE = {
     "noise": (0.0005, 0.001, 0.003, 0.005),
     "smoothing": (5, 10, 30, 50),

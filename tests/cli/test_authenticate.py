@@ -1,4 +1,4 @@
-"""`authenticate`, `recover` and `unmark`: the contract of INTERFACE.md on one model that is edited."""
+"""`authenticate`, `recover` and `unmark`: fields, exit codes and files, on one model that is edited."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ MODEL = Mesh(*pebble(24))
 NOISE = np.random.default_rng(5).normal(size=MODEL.vertices.shape)
 OF_MESHES = [name for name, metric in METRICS.items() if metric.takes == "meshes"]
 OF_SURFACES = [name for name in OF_MESHES if name not in ("rms_over_diagonal", "max_over_diagonal")]
-# The rows of DESIGN section 11 and the names that INTERFACE promises.
+# The measures that tables and JSON name: others rely on these names.
 PROMISED = (
     "rms_over_diagonal", "max_over_diagonal", "mrms_over_diagonal", "hausdorff_over_diagonal", "psnr_db",
     "paper_psnr_db", "msdm2", "normal_deviation_deg", "ber", "correlation", "true_positive_rate",

@@ -84,8 +84,8 @@ def test_the_same_input_gives_the_same_output(scheme, marked, host):
 
 
 def test_wrong_keys_and_unmarked_models_read_chance(scheme, marked, host, kept):
-    """Few trials: a wrong key makes a reader try all that it can try."""
-    trials = [(marked, Key(b"0" * 32)), (marked, Key(b"1" * 32)), (host, KEY)]
+    """Few trials: a wrong key makes a reader try all that it can try, which takes seconds."""
+    trials = [(marked, Key(b"0" * 32)), (host, KEY)]
     read = [scheme.extract(mesh, key, reference=kept) for mesh, key in trials]
     assert not any(each.present for each in some(read))
     errors = np.concatenate([each.bits != payload(scheme) for each in some(read)])
