@@ -67,9 +67,9 @@ def test_what_is_ruled_out_is_not_authentic_and_every_try_changes_something(forg
 
 def test_what_moves_nothing_or_less_than_a_float_may_pass_and_does(forger):
     points = forger.surface.points
-    some = points.copy()
-    some[::7] = np.nextafter(some[::7].astype(np.float32), np.float32(np.inf)).astype(float)
-    tries = np.stack([points, some])
+    near = points.copy()
+    near[::7] = np.nextafter(near[::7].astype(np.float32), np.float32(np.inf)).astype(float)
+    tries = np.stack([points, near])
     assert forger.vouching.may_pass(tries, np.random.default_rng(1)).all()
     assert all(forger.authentic(each) and authentic(forger, each) for each in some(tries))
 

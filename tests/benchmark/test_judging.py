@@ -13,7 +13,6 @@ from meshmark.benchmark.row import Case
 from meshmark.errors import InputError
 from meshmark.schemes import SCHEMES
 from meshmark.schemes.scheme import Readout
-from tests.counting import some
 
 MODEL = "train/even.ply"
 
@@ -38,8 +37,8 @@ def judged(toys, models, tmp_path):
     """Mark what a case needs, and judge it."""
 
     def go(each):
-        for wanted in some(marks_of(each)):
-            assert mark(models, tmp_path, wanted).status == "ok"
+        statuses = {mark(models, tmp_path, wanted).status for wanted in marks_of(each)}
+        assert statuses <= {"ok"}
         return judge(models, tmp_path, each).figures
 
     return go

@@ -108,16 +108,9 @@ def test_extract_reads_the_id_and_exits_with_0(cli, files):
     assert IDENTITY in cli("extract", files.marked, "--key", files.key).out
 
 
-def test_extract_from_an_unmarked_model_exits_with_1(cli, files):
-    ran = cli("extract", files.model, "--key", files.key, "--json")
-    found = only_object(ran.out)
-    assert (ran.code, found["presence"], found["id"]) == (1, "absent", None)
-
-
-def test_so_it_does_after_the_wide_search(cli, files, tmp_path):
-    """Of a small model: the search takes half a minute on a large one."""
-    mm.write_mesh(mm.Mesh(*pebble(16)), tmp_path / "small.ply")
-    ran = cli("extract", tmp_path / "small.ply", "--key", files.key, "--search", "wide", "--json")
+@pytest.mark.parametrize("search", ["quick", "wide"])
+def test_extract_from_an_unmarked_model_exits_with_1(cli, files, search):
+    ran = cli("extract", files.model, "--key", files.key, "--search", search, "--json")
     found = only_object(ran.out)
     assert (ran.code, found["presence"], found["id"]) == (1, "absent", None)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -39,11 +40,10 @@ TOKENS = [
     b"v",
     b"f 1",
 ]
-edits = st.lists(
-    st.tuples(st.floats(0, 1), st.integers(0, 12), st.binary(max_size=3) | st.sampled_from(TOKENS)),
-    min_size=1,
-    max_size=4,
-)
+rough = st.tuples(st.floats(0, 1), st.integers(0, 12), st.binary(max_size=3) | st.sampled_from(TOKENS))
+# Of a file so changed something may well be read.
+gentle = st.tuples(st.floats(0, 1), st.just(1), st.sampled_from([b"1", b"7", b"9"]))
+edits = st.lists(rough, min_size=1, max_size=4) | st.lists(gentle, min_size=1, max_size=2)
 
 
 def check(data: bytes, suffix: str, share: Share) -> None:
@@ -78,8 +78,15 @@ def keeps_its_promises(document: Document, data: bytes, path: Path, share: Share
     np.testing.assert_array_equal(document.conform(conformed), conformed)
 
 
+@pytest.fixture(scope="module")
+def share() -> Iterator[Share]:
+    """Of all files together: of one alone it may be few, by chance."""
+    with Share(0.03) as share:
+        yield share
+
+
 @pytest.mark.parametrize("name", GOOD)
-def test_small_damage(name: str) -> None:
+def test_small_damage(name: str, share: Share) -> None:
     suffix, whole = GOOD[name]
 
     @settings(max_examples=60, suppress_health_check=[HealthCheck.too_slow], deadline=None)
@@ -91,8 +98,7 @@ def test_small_damage(name: str) -> None:
             data = data[:begin] + new + data[begin + length :]
         check(data, suffix, share)
 
-    with Share(0.02) as share:
-        damaged()
+    damaged()
 
 
 @pytest.mark.parametrize("name", ["off", "obj", "ply", "stl", "stl binary"])

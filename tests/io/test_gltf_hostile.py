@@ -87,13 +87,13 @@ def put_junk(share: Share, data: st.DataObject) -> None:
 
 
 def test_changed_and_cut_bytes() -> None:
-    with Share(0.1) as share:
+    with Share(0.02) as share:
         change_bytes(share)
 
 
 @settings(max_examples=150, deadline=None)
 @given(
-    edits=st.lists(st.tuples(st.integers(0, 10**6), st.integers(0, 255)), max_size=8),
+    edits=st.lists(st.tuples(st.integers(0, 10**6), st.integers(0, 255)), max_size=2),
     cut=st.integers(0, 10**6) | st.none(),
     name=st.sampled_from(sorted(SAMPLES)),
 )

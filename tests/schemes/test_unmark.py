@@ -63,7 +63,7 @@ class Rounding:
 
 
 def test_the_bound_that_is_told_holds_at_every_scale_and_precision():
-    with Share(0.05) as share:
+    with Share(0.02) as share:
         is_unmarked_within_its_bound(share)
 
 
