@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import lzma
 import re
 import stat
 from pathlib import Path
@@ -213,17 +214,23 @@ def test_info_counts(cli, files):
 
 
 @pytest.mark.shared
-@pytest.mark.parametrize("name", ["textured", "models/test"])
-def test_info_is_json_for_every_kind_of_file(cli, shared_data, name):
-    kinds = {".glb", ".gltf", ".obj", ".off", ".ply", ".stl"}
-    for path in some(
-        path
-        for path in sorted((shared_data / name).iterdir())
-        if path.suffix in kinds and path.stat().st_size < 3e6
-    ):
+def test_info_is_json_for_textured_models(cli, shared_data):
+    paths = [path for path in sorted((shared_data / "textured").iterdir()) if path.stat().st_size < 3e6]
+    for path in some((path for path in paths if path.suffix in {".glb", ".obj"}), least=3):
         ran = cli("info", path, "--json")
         assert ran.code == 0, ran.err
         only_object(ran.out)
+
+
+@pytest.mark.shared
+def test_info_is_json_for_models_of_all_shapes(cli, shared_data, tmp_path):
+    packed = sorted((shared_data / "models" / "test").glob("*.off.xz"))
+    for path in some((path for path in packed if path.stat().st_size < 100_000), least=5):
+        plain = tmp_path / path.stem
+        plain.write_bytes(lzma.decompress(path.read_bytes()))
+        ran = cli("info", plain, "--json")
+        assert ran.code == 0, ran.err
+        assert only_object(ran.out)["faces"] > 0
 
 
 def _is_drawn(path: Path) -> bool:
