@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 export OMP_NUM_THREADS ?= 1
 
-.PHONY: help setup demo test check docs smoke bench clean
+.PHONY: help setup demo test check docs tour smoke bench clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /: /'
@@ -30,6 +30,9 @@ check: setup  ## style and types
 
 docs: setup  ## write docs/cli.md from the program's own help
 	$(BIN)/python tools/make_cli_docs.py
+
+tour: setup  ## write the tour of README.md from a run of it
+	$(BIN)/python tools/readme_tour.py
 
 smoke: setup  ## the smallest benchmark, and the facts that must hold in its table
 	rm -rf bench-out/smoke

@@ -9,6 +9,7 @@ import pytest
 from tests.conftest import SLOWEST
 from tests.counting import Share, some
 from tests.hidden_assertions import hidden_assertions
+from tests.silent_tests import silent_tests
 
 HERE = Path(__file__).parent
 # The helper itself: its assertions are what the others' are held to.
@@ -114,3 +115,13 @@ def test_some_are_as_many_as_stated():
 
 def test_the_slowest_files_are_there():
     assert [name for name in some(SLOWEST) if not (HERE / name).is_file()] == []
+
+
+def test_every_test_asserts_something():
+    planted = {
+        "a.py": "def test_a():\n    f()\ndef test_b():\n    g()\ndef test_c():\n    assert x",
+        "b.py": "def f():\n    h()\ndef h():\n    np.testing.assert_equal(1, 1)\ndef g():\n    pass",
+    }
+    assert silent_tests(planted) == ["a.py: test_b"]
+    paths = some(HERE.rglob("*.py"), least=150)
+    assert silent_tests({str(path): path.read_text(encoding="utf-8") for path in paths}) == []
