@@ -126,11 +126,12 @@ def about(number: float) -> object:
     return pytest.approx(number, rel=CLOSE, abs=0.0011 if abs(number) < 1 else 0.0)
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda path: str(path.relative_to(ROOT)))
-def test_links_lead_somewhere(page):
-    text = re.sub(r"```.*?```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL)
-    for target in some(re.findall(r"\]\(([^)#:]+)\)", text)):
-        assert (page.parent / target).exists(), target
+def test_links_lead_somewhere():
+    texts = {
+        page: re.sub(r"```.*?```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL) for page in PAGES
+    }
+    links = [(page, to) for page, text in texts.items() for to in re.findall(r"\]\(([^)#:]+)\)", text)]
+    assert [(page, to) for page, to in some(links, least=30) if not (page.parent / to).exists()] == []
 
 
 def test_every_make_target_in_the_documents_exists():
