@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 export OMP_NUM_THREADS ?= 1
 
-.PHONY: help setup demo test check docs smoke bench clean
+.PHONY: help setup demo test check docs tour smoke bench clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /: /'
@@ -23,7 +23,7 @@ demo: setup  ## the whole way on one model, into demo-out/
 	$(BIN)/meshmark demo --out demo-out --force
 
 test: setup  ## all tests, in a process on each core (four at most)
-	$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist loadfile
+	$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist loadfile --no-loadscope-reorder
 
 check: setup  ## style and types
 	$(BIN)/ruff check .
@@ -32,6 +32,9 @@ check: setup  ## style and types
 
 docs: setup  ## write docs/cli.md from the program's own help
 	$(BIN)/python tools/make_cli_docs.py
+
+tour: setup  ## write the tour of README.md from a run of it
+	$(BIN)/python tools/readme_tour.py
 
 smoke: setup  ## the smallest benchmark, and the facts that must hold in its table
 	rm -rf bench-out/smoke

@@ -5,9 +5,9 @@ from __future__ import annotations
 import importlib.util
 import json
 import re
-import shlex
 from importlib import resources
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
@@ -15,17 +15,24 @@ import meshmark as mm
 from meshmark.cli.commands import COMMANDS
 from meshmark.cli.extract import EXIT_CODES
 from meshmark.io import FORMATS
+from tests.counting import some
 
 ROOT = Path(__file__).resolve().parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
 
 
-def test_the_command_line_page_is_what_the_program_prints():
-    spec = importlib.util.spec_from_file_location("make_cli_docs", ROOT / "tools" / "make_cli_docs.py")
+def tool_of(name: str) -> ModuleType:
+    """Return one of the programs in tools/ as a module."""
+    spec = importlib.util.spec_from_file_location(name, ROOT / "tools" / f"{name}.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
-    assert (ROOT / "docs" / "cli.md").read_text(encoding="utf-8") == module.pages(), "run `make docs`"
+    return module
+
+
+def test_the_command_line_page_is_what_the_program_prints():
+    pages = tool_of("make_cli_docs").pages()
+    assert (ROOT / "docs" / "cli.md").read_text(encoding="utf-8") == pages, "run `make docs`"
 
 
 @pytest.mark.parametrize("name", COMMANDS)
@@ -37,7 +44,7 @@ def test_the_readme_names_every_format_and_what_a_conversion_keeps():
     rows = dict(re.findall(r"^\| \w+ \| `(\.\w+)` \| [^|]+ \| ([^|]+) \|$", README, re.MULTILINE))
     words = {"normals": "normals", "texcoords": "texture coordinates", "colors": "colours"}
     assert rows.keys() == {entry.extensions[0] for entry in FORMATS.values()}
-    for entry in FORMATS.values():
+    for entry in some(FORMATS.values()):
         kept = {name for name, word in words.items() if word in rows[entry.extensions[0]]}
         assert kept == entry.keeps, entry.name
 
@@ -49,7 +56,7 @@ def test_the_readme_names_every_strength_with_its_budget_and_psnr():
 
     rows = re.findall(r"^\| `(\w+)` \| ([\d.]+) % \| ([\d.]+) dB \|", README, re.MULTILINE)
     assert {name: float(share) / 100 for name, share, _ in rows} == pytest.approx(BUDGETS)
-    for name, _, psnr in rows:
+    for name, _, psnr in some(rows):
         assert 0 <= -20 * log10(BUDGETS[name]) - float(psnr) < 0.1
 
 
@@ -72,36 +79,59 @@ def test_the_python_example_runs(tmp_path, monkeypatch, capsys):
     assert "present 0123456789abcdef" in capsys.readouterr().out
 
 
-def test_the_tour_runs_and_prints_what_the_readme_shows(tmp_path, monkeypatch, capsys):
-    from meshmark.cli.main import main
+# Whole numbers of things that the key does not choose are exact; the others depend on it in the last digits of
+# sums, which differ from machine to machine: a mark or two more, one unit of the last digit shown.
+NUMBER = re.compile(r"(?<![\w.])-?\d[\d,]*(?:\.\d+)?(?![\w])")
+CLOSE = 0.02
+HARE = (25_178, 50_360)
 
+
+def test_the_tour_prints_what_the_readme_shows(tmp_path, monkeypatch):
+    """With a key that is always the same (tools/readme_tour.py): `keygen` draws another one each time."""
+    tool = tool_of("readme_tour")
     monkeypatch.chdir(tmp_path)
-    with resources.as_file(resources.files("meshmark") / "data" / "hare.ply.gz") as hare:
-        mm.write_mesh(mm.read_mesh(hare), "hare.ply")
-    tour = re.findall(r"```console\n(.*?)```", README, re.DOTALL)[0]
-    for line, shown in re.findall(r"^\$ meshmark (.*)\n((?:(?!\$).*\n)*)", tour, re.MULTILINE):
-        assert main(shlex.split(line)) == ("extract hare" in line or "authenticate edited" in line)
-        assert blurred(capsys.readouterr().out) == blurred(shown), line
-        if "keygen" in line:  # which regions a part lies in depends on the key
-            Path("my.key").unlink()
-            mm.Key(bytes(32)).save("my.key")
+    for command, shown, code, printed in some(tool.tour(tool.session()), least=9):
+        assert code == ("extract hare" in command or "authenticate edited" in command), command
+        assert NUMBER.sub("#", printed) == NUMBER.sub("#", shown), command
+        assert numbers(printed) == [about(number) for number in numbers(shown)], command
 
 
-def blurred(text: str) -> list[str]:
-    """Return the lines of an output without the numbers that depend on the key drawn."""
-    return re.sub(
-        r"(?<![\w.])[\d,]+(\.\d+)?(?= ?%| dB|\.|$| marks| bytes| vertices moved| of \d+ reg| regions)|(?<=\^-)\d+",
-        "#",
-        text.strip(),
-        flags=re.MULTILINE,
-    ).splitlines()
+@pytest.mark.parametrize(
+    ("shown", "printed", "same"),
+    [
+        ("moved 0.075 %", "moved 0.076 %", True),
+        ("moved 0.075 %", "moved 0.079 %", False),
+        ("7,531 marks", "7,535 marks", True),
+        ("7,531 marks", "7,031 marks", False),
+        ("25,178 vertices", "25,178 vertices", True),
+        ("25,178 vertices", "25,177 vertices", False),
+        ("5 of 20 regions", "6 of 20 regions", False),
+        ("below 10^-142", "below 10^-141", True),
+        ("below 10^-142", "below 10^-122", False),
+    ],
+)
+def test_numbers_are_compared_as_closely_as_they_are_known(shown, printed, same):
+    assert NUMBER.sub("#", printed) == NUMBER.sub("#", shown)
+    assert (numbers(printed) == [about(number) for number in numbers(shown)]) == same
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda path: str(path.relative_to(ROOT)))
-def test_links_lead_somewhere(page):
-    text = re.sub(r"```.*?```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL)
-    for target in re.findall(r"\]\(([^)#:]+)\)", text):
-        assert (page.parent / target).exists(), target
+def numbers(text: str) -> list[float]:
+    return [float(number.replace(",", "")) for number in NUMBER.findall(text)]
+
+
+def about(number: float) -> object:
+    """Return what equals a number within its tolerance: small whole ones and the counts of the hare are exact."""
+    if number in HARE or (number == int(number) and abs(number) < 50):
+        return number
+    return pytest.approx(number, rel=CLOSE, abs=0.0011 if abs(number) < 1 else 0.0)
+
+
+def test_links_lead_somewhere():
+    texts = {
+        page: re.sub(r"```.*?```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL) for page in PAGES
+    }
+    links = [(page, to) for page, text in texts.items() for to in re.findall(r"\]\(([^)#:]+)\)", text)]
+    assert [(page, to) for page, to in some(links, least=30) if not (page.parent / to).exists()] == []
 
 
 def test_every_make_target_in_the_documents_exists():
@@ -117,7 +147,7 @@ def test_the_changelog_tells_of_this_version():
 def test_the_constraints_are_names_and_versions_only():
     lines = (ROOT / "constraints.txt").read_text().splitlines()
     assert lines
-    assert all(re.fullmatch(r"[A-Za-z0-9._-]+==[0-9][A-Za-z0-9.]*", line) for line in lines)
+    assert all(re.fullmatch(r"[A-Za-z0-9._-]+==[0-9][A-Za-z0-9.]*", line) for line in some(lines))
 
 
 def test_the_model_that_comes_along_is_closed_and_well_shaped():

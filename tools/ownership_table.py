@@ -15,7 +15,7 @@ from meshmark.benchmark.labels import label
 
 LARGE, MIDDLE = "> 20,000", "5,000-20,000"
 TRUE = ("1", "True", "true")
-# (scheme, size classes) of the columns of issue 4, and which attacks its bars name: large, middle, certificate.
+# (scheme, size classes) of the columns, and what rate is asked for after each attack: large, middle, certificate.
 COLUMNS = (("ncdg_lv", (LARGE,)), ("ncdg_lv", (MIDDLE,)), ("ncdg_lv_certificate", (LARGE, MIDDLE)))
 BARS = {
     **dict.fromkeys(

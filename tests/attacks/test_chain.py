@@ -11,6 +11,7 @@ from meshmark.attacks import ATTACKS, Attack, Attacked, Chain, Given, parse_chai
 from meshmark.errors import InputError
 from meshmark.mesh import Mesh
 from tests.attacks.models import given_for, seamed
+from tests.counting import some
 from tests.shapes import pebble
 
 MODEL = seamed()
@@ -115,7 +116,7 @@ def test_a_step_does_not_depend_on_how_much_an_earlier_one_drew():
         parse_chain(f"{first}+shuffle").apply(MODEL, np.random.default_rng(3)).origin
         for first in ("noise:0", "noise:0.01", "gaussian:0.02", "mirror", "similarity")
     ]
-    for order in orders[1:]:
+    for order in some(orders[1:]):
         np.testing.assert_array_equal(order, orders[0])
 
 
@@ -184,8 +185,6 @@ def test_the_map_of_any_chain_names_where_a_vertex_came_from(names, seed):
     far = Mesh(*pebble(18))
     result = parse_chain("+".join(names) or "none").apply(far, np.random.default_rng(seed))
     old = result.origin >= 0
-    reach = 0.01 * len(names) * 2 * np.sqrt(3)
+    reach = 0.01 * names.count("noise:0.01") * 2 * np.sqrt(3)  # 0 without noise: the very place
     away = np.linalg.norm(result.mesh.vertices[old] - far.vertices[result.origin[old]], axis=1)
     assert (away <= reach).all()
-    if "noise:0.01" not in names:
-        np.testing.assert_array_equal(result.mesh.vertices[old], far.vertices[result.origin[old]])

@@ -10,6 +10,7 @@ import pytest
 from meshmark.attacks import ATTACKS
 from meshmark.errors import InputError
 from meshmark.mesh import Mesh
+from tests.counting import some
 from tests.shapes import pebble
 
 MODEL = Mesh(*pebble(24))
@@ -19,7 +20,7 @@ RNG = np.random.default_rng(1)
 @pytest.mark.parametrize("bits", [1, 7, 8, 10, 12, 16])
 def test_quantisation_lands_on_the_grid_and_errs_by_half_a_step_at_most(bits):
     rounded = ATTACKS["quantisation"](MODEL, bits, RNG).vertices
-    for before, after in zip(MODEL.vertices.T, rounded.T, strict=True):
+    for before, after in some(zip(MODEL.vertices.T, rounded.T, strict=True)):
         low, step = before.min(), (before.max() - before.min()) / 2**bits
         grid = low + np.arange(2**bits + 1) * step
         assert np.isin(after, grid).all(), "exactly low + k step"

@@ -11,15 +11,21 @@ from meshmark.benchmark.distortion import distortions
 from meshmark.benchmark.row import Case, Row
 from meshmark.benchmark.speed import growth, speeds, timings
 from tests.benchmark.planted import GROWTH, planted_rows
+from tests.counting import Share, some
 
 ROWS = planted_rows(("ncdg_lv", "lsb"), models=20)
 CASE = Case("robust", "toy", "m", "standard", "none", "marked", 0)
 
 
 def test_every_group_is_what_a_naive_loop_gives():
+    with Share(0.5) as share:
+        compared_with_a_naive_loop(share)
+
+
+def compared_with_a_naive_loop(share: Share) -> None:
     figures = robustness(ROWS)
     seen = set()
-    for figure in figures:
+    for figure in some(figures):
         part = []
         for row in ROWS:
             own = (row.case.scheme, row.case.budget, row.case.attack, row.case.trial)
@@ -34,7 +40,9 @@ def test_every_group_is_what_a_naive_loop_gives():
         assert figure.present.value == pytest.approx(len([r for r in read if r.present]) / len(part))
         assert figure.recovered.value == pytest.approx(len([r for r in read if r.recovered]) / len(part))
         assert (figure.ber is None) == (not read)
+        share.case()
         if read:
+            share.asserted()
             assert figure.recovered_where_read.value == pytest.approx(
                 sum(r.recovered for r in read) / len(read)
             )

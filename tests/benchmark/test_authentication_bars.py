@@ -1,4 +1,4 @@
-"""The bars of issue 5 on one tiny model: each row is there, a planted failure counts as one, the table says so."""
+"""Every bar on one tiny model: each row is there, a planted failure counts as one, and the table says so."""
 
 from __future__ import annotations
 

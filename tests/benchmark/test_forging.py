@@ -11,6 +11,7 @@ from benchmarks.authentication.forging import Forger
 from benchmarks.authentication.subjects import KEY, Subject
 from meshmark.mesh import Mesh
 from meshmark.schemes.ncdg_lv.authentication.examination import examine
+from tests.counting import some
 from tests.shapes import pebble
 
 
@@ -66,11 +67,11 @@ def test_what_is_ruled_out_is_not_authentic_and_every_try_changes_something(forg
 
 def test_what_moves_nothing_or_less_than_a_float_may_pass_and_does(forger):
     points = forger.surface.points
-    some = points.copy()
-    some[::7] = np.nextafter(some[::7].astype(np.float32), np.float32(np.inf)).astype(float)
-    tries = np.stack([points, some])
+    near = points.copy()
+    near[::7] = np.nextafter(near[::7].astype(np.float32), np.float32(np.inf)).astype(float)
+    tries = np.stack([points, near])
     assert forger.vouching.may_pass(tries, np.random.default_rng(1)).all()
-    assert all(forger.authentic(each) and authentic(forger, each) for each in tries)
+    assert all(forger.authentic(each) and authentic(forger, each) for each in some(tries))
 
 
 def test_a_try_that_passes_is_counted(forger):
@@ -94,4 +95,4 @@ def test_rows_say_how_many_of_how_many_tries(forger, monkeypatch):
     assert sum(row.trials for row in rows if row.figure == "forged parts accepted") == 20
     assert sum(row.trials for row in rows if row.figure == "lone marks guessed, accepted") == 20
     assert {row.detail for row in rows} == {*KINDS, *LONE}
-    assert all(row.value == (row.trials // 2) / row.trials for row in rows)
+    assert all(row.value == (row.trials // 2) / row.trials for row in some(rows))

@@ -23,6 +23,7 @@ from meshmark.io import write_mesh
 from meshmark.schemes.scheme import Scheme
 from meshmark.schemes.table import ENTRY_POINTS
 from tests.benchmark.planted import planted_rows
+from tests.counting import some
 
 DOCS = Path(__file__).parents[2] / "docs"
 GUIDE = (DOCS / "benchmark.md").read_text(encoding="utf-8")
@@ -72,7 +73,7 @@ def test_the_example_on_rows_runs(tmp_path, monkeypatch, capsys):
     Path("bench-out/results.csv").write_text(results_csv(planted_rows(models=6)), encoding="utf-8")
     exec(compile(ROWS_EXAMPLE, "guide", "exec"), {})
     lines = capsys.readouterr().out.splitlines()
-    assert all(re.fullmatch(r"\S+ +[\d.]+% \[[\d.]+%, [\d.]+%\] of 6 models", line) for line in lines)
+    assert all(re.fullmatch(r"\S+ +[\d.]+% \[[\d.]+%, [\d.]+%\] of 6 models", line) for line in some(lines))
     assert lines
 
 
@@ -83,10 +84,10 @@ def test_the_commands_have_suites_and_options_that_exist(page, count, capsys):
     lines = [shlex.split(line) for line in re.findall(r"^\$ (.*)$", page, re.MULTILINE)]
     commands = [line for line in lines if line[0] == "meshmark"]
     assert len(commands) == count
-    for _, command, suite, *rest in commands:
+    for _, command, suite, *rest in some(commands):
         assert command == "bench"
         assert suite in SUITES
-        assert all(word in known for word in rest if word.startswith("--"))
+        assert all(word in known for word in some(rest) if word.startswith("--"))
 
 
 def test_the_example_is_measured_from_its_file_alone(tmp_path, capsys):
@@ -97,7 +98,7 @@ def test_the_example_is_measured_from_its_file_alone(tmp_path, capsys):
     assert main(["bench", "smoke", *options, "--out", str(tmp_path / "out"), "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
     lines = {(line["trial"], line["attack"]): line for line in told["summary"]}
-    assert not any(line["failed"] for line in lines.values())
+    assert not any(line["failed"] for line in some(lines.values()))
     assert lines["marked", "none"]["recovered"] == 1
     for attack in ("similarity:1", "shuffle:1"):
         assert lines["marked", attack]["recovered"] == 0, "as the page says"
@@ -106,9 +107,9 @@ def test_the_example_is_measured_from_its_file_alone(tmp_path, capsys):
 
 
 def test_the_guide_names_every_suite_trial_outcome_and_size_class():
-    for name in [*SUITES, *TRIALS, *STATUSES[1:]]:
+    for name in some([*SUITES, *TRIALS, *STATUSES[1:]]):
         assert f"`{name}`" in GUIDE, name
-    assert all(name in GUIDE for _, name in SIZE_CLASSES)
+    assert all(name in GUIDE for _, name in some(SIZE_CLASSES))
 
 
 def test_the_guide_names_every_file_that_is_written():

@@ -37,8 +37,8 @@ def judged(toys, models, tmp_path):
     """Mark what a case needs, and judge it."""
 
     def go(each):
-        for wanted in marks_of(each):
-            assert mark(models, tmp_path, wanted).status == "ok"
+        statuses = {mark(models, tmp_path, wanted).status for wanted in marks_of(each)}
+        assert statuses <= {"ok"}
         return judge(models, tmp_path, each).figures
 
     return go

@@ -11,6 +11,7 @@ from meshmark.coding.keys import Key
 from meshmark.geometry.areas import area_vectors, vertex_normals
 from meshmark.geometry.open_edges import sample_open_edges
 from meshmark.geometry.sampling import Samples, plan_samples
+from tests.counting import some
 from tests.shapes import pebble
 
 KEY = Key(bytes(range(32)))
@@ -36,7 +37,7 @@ def test_statistic_equals_its_definition_cell_by_cell():
     points, faces = placed_pebble()
     cells = measure_cells(plan_samples(points, faces, 0.25)(points))
     assert len(cells.nodes) > 300
-    for i in range(0, len(cells.nodes), 7):
+    for i in some(range(0, len(cells.nodes), 7)):
         offset, flux, flatness = brute_force(points, faces, cells.nodes[i])
         assert cells.offset[i] == pytest.approx(offset, abs=1e-9)
         assert cells.mass[i] == pytest.approx(np.linalg.norm(flux) / (np.pi / 4))

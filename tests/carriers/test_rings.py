@@ -12,6 +12,7 @@ from meshmark.carriers.rings import LARGEST, Rings, ordered_rings
 from meshmark.carriers.rings_independent import independent_points
 from meshmark.carriers.rings_shape import frames, ring_shapes, starts
 from meshmark.mesh import FloatArray, IntArray
+from tests.counting import some
 from tests.shapes import pebble, sphere_with_a_spike
 
 HEXAGON = np.array([[0, i, i % 6 + 1] for i in range(1, 7)])
@@ -34,8 +35,8 @@ def _fan(group: Rings, row: int) -> set[tuple[int, int, int]]:
 def test_a_ring_says_exactly_the_faces_around_its_point() -> None:
     _, faces = _sphere()
     seen = 0
-    for group in ordered_rings(faces, int(faces.max()) + 1):
-        for row, vertex in enumerate(group.vertex):
+    for group in some(ordered_rings(faces, int(faces.max()) + 1)):
+        for row, vertex in some(enumerate(group.vertex)):
             around = {
                 tuple(np.roll(face, -list(face).index(vertex)).tolist())
                 for face in faces[(faces == vertex).any(axis=1)]
@@ -69,13 +70,13 @@ def test_the_rim_of_an_open_surface_is_told() -> None:
 )
 def test_a_point_where_fans_meet_has_no_ring(extra: list[list[int]]) -> None:
     rings = ordered_rings(np.concatenate([HEXAGON, extra]), 10)
-    assert not any(0 in group.vertex for group in rings)
+    assert not any(0 in group.vertex for group in some(rings))
 
 
 def test_faces_turned_against_their_neighbours_make_no_ring() -> None:
     faces = HEXAGON.copy()
     faces[2] = faces[2, [0, 2, 1]]
-    assert not any(0 in group.vertex for group in ordered_rings(faces, 7))
+    assert not any(0 in group.vertex for group in some(ordered_rings(faces, 7)))
 
 
 @settings(max_examples=15, deadline=None)
@@ -90,7 +91,9 @@ def test_shapes_are_invariant_to_similarity_and_order(seed: int) -> None:
     scale = rng.uniform(0.1, 10.0)
     others[number] = scale * points @ turn.T + rng.normal(size=3)
     mixed = number[np.roll(faces[rng.permutation(len(faces))], 1, axis=1)]
-    for one, two in zip(ordered_rings(faces, len(points)), ordered_rings(mixed, len(points)), strict=True):
+    for one, two in some(
+        zip(ordered_rings(faces, len(points)), ordered_rings(mixed, len(points)), strict=True)
+    ):
         place = np.argsort(two.vertex)[np.searchsorted(np.sort(two.vertex), number[one.vertex])]
         a, b = ring_shapes(points, one), ring_shapes(others, two.take(place))
         np.testing.assert_allclose(b.size, scale * a.size, rtol=1e-9)
@@ -112,7 +115,7 @@ def test_the_middle_point_does_not_move_its_own_frame() -> None:
 
 def test_frames_are_right_handed_and_orthonormal() -> None:
     points, faces = _sphere()
-    for group in ordered_rings(faces, len(points)):
+    for group in some(ordered_rings(faces, len(points))):
         shape = ring_shapes(points, group)
         axes = frames(shape.offsets, shape.normal)
         np.testing.assert_allclose(axes @ axes.transpose(0, 2, 1), np.eye(3)[None] + 0 * axes, atol=1e-9)
@@ -137,8 +140,10 @@ def test_the_choice_is_a_maximal_independent_set_of_what_is_eligible(seed: int) 
     graph.add_edges_from(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]).tolist())
     taken = set(np.flatnonzero(chosen).tolist())
     assert not (chosen & ~eligible).any()
-    assert not any(taken & set(graph[point]) for point in taken)
-    assert all(point in taken or taken & set(graph[point]) for point in np.flatnonzero(eligible).tolist())
+    assert not any(taken & set(graph[point]) for point in some(taken))
+    assert all(
+        point in taken or taken & set(graph[point]) for point in some(np.flatnonzero(eligible).tolist())
+    )
 
 
 def test_the_choice_depends_on_the_key_and_beats_a_random_order() -> None:

@@ -56,8 +56,8 @@ def test_the_id_comes_back_from_the_changed_copy(cli, folder, monkeypatch):
         assert picture.height > 2 * 640
 
 
-def test_another_model_and_a_second_time_in_the_same_folder(cli, folder, tmp_path):
-    mm.write_mesh(mm.read_mesh(folder / "original.ply"), tmp_path / "other.v2.glb")
+def test_another_model_and_a_second_time_in_the_same_folder(cli, folder, other, tmp_path):
+    (tmp_path / "other.v2.glb").write_bytes(other.read_bytes())
     key = (folder / "demo.key").read_bytes()
     before = snapshot(folder)
     refused = cli("demo", tmp_path / "other.v2.glb", "--out", folder)

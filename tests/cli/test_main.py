@@ -9,6 +9,7 @@ import sys
 import pytest
 
 from meshmark.cli import main as program
+from tests.counting import some
 
 
 def python(code: str, **options):
@@ -46,7 +47,7 @@ def test_a_missing_model_and_a_missing_key_are_told_before_slow_imports(files, t
     )
     assert ran.stdout == f"{[2] * len(lines)} False\n"
     assert len(ran.stderr.splitlines()) == len(lines)
-    assert all("cannot read" in told for told in ran.stderr.splitlines())
+    assert all("cannot read" in told for told in some(ran.stderr.splitlines()))
 
 
 def test_using_one_scheme_does_not_load_the_others():
@@ -128,7 +129,7 @@ def test_the_traceback_of_a_bug_is_there_for_who_asks(cli, monkeypatch, files):
 
 
 def test_every_command_has_a_one_line_summary():
-    for name, command in program.COMMANDS.items():
+    for name, command in some(program.COMMANDS.items()):
         first = (command.__doc__ or "").splitlines()[0]
         assert first.endswith("."), name
         assert len(first) < 60, name

@@ -5,6 +5,7 @@ import pytest
 
 from meshmark.coding.list_decoder import ListDecoder
 from meshmark.coding.polar import polar_code
+from tests.counting import some
 
 SUBKEY = bytes(range(32))
 
@@ -17,7 +18,7 @@ def test_a_long_list_holds_every_word(length: int, bits: int, checks: int) -> No
     llr = np.random.default_rng(0).standard_normal(length)
     ids, words = ListDecoder(code).decode(llr, 1 << bits)
     assert sorted(ids.tolist()) == list(range(1 << bits))
-    for identity, word in zip(ids.tolist(), words, strict=True):
+    for identity, word in some(zip(ids.tolist(), words, strict=True)):
         assert np.array_equal(word, code.encode(identity))
 
 

@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 from meshmark.errors import InputError
 from meshmark.geometry.closest_point import SurfaceIndex
 from meshmark.geometry.point_triangle import Triangles
+from tests.counting import some
 from tests.shapes import pebble
 
 
@@ -134,10 +135,12 @@ def test_one_face_no_query_and_no_face():
 
 def test_inputs_stay_as_they_are():
     points, faces = pebble(16)
-    queries = points + 0.1
-    for array in (points, faces, queries):
+    arrays = (points, faces, points + 0.1)
+    before = [array.copy() for array in arrays]
+    for array in arrays:
         array.setflags(write=False)
-    SurfaceIndex(points, faces).nearest(queries)
+    SurfaceIndex(points, faces).nearest(arrays[2])
+    assert all(np.array_equal(one, other) for one, other in zip(arrays, before, strict=True))
 
 
 def test_a_shared_place_belongs_to_the_first_face_there_however_the_model_is_turned():
@@ -149,7 +152,7 @@ def test_a_shared_place_belongs_to_the_first_face_there_however_the_model_is_tur
     assert np.array_equal(
         plain.faces[: len(points)], [np.flatnonzero((faces == i).any(1))[0] for i in range(len(points))]
     )
-    for row, (start, end) in enumerate(faces[::7, :2]):
+    for row, (start, end) in some(enumerate(faces[::7, :2])):
         both = (faces == start).any(axis=1) & (faces == end).any(axis=1)
         assert plain.faces[len(points) + row] == np.flatnonzero(both)[0]
     turn = Rotation.random(random_state=random).as_matrix()

@@ -6,6 +6,7 @@ from scipy.spatial.transform import Rotation
 
 from meshmark.geometry.descriptors import DESCRIPTOR_LENGTH, SHELLS, describe, tangent_axes
 from meshmark.geometry.surfels import Surfels, make_surfels
+from tests.counting import some
 from tests.shapes import pebble
 
 
@@ -44,7 +45,7 @@ def test_the_shells_share_out_the_area_within_the_ball():
     values = describe(flat, np.zeros((1, 3)), np.array([[0.0, 0, 1]]), 0.5).reshape(SHELLS, -1)
     distance = np.linalg.norm(places, axis=1) / 0.5
     inside = distance < 1.0
-    for shell in range(SHELLS):
+    for shell in some(range(SHELLS)):
         weight = np.maximum(1.0 - np.abs(distance * (SHELLS + 0.5) - 0.5 - shell), 0.0) * inside
         ring = np.pi * 0.25 * (2.0 * shell + 1.5) / (SHELLS + 0.5) ** 2
         assert values[shell, 0] == pytest.approx(weight.sum() * step**2 / ring)

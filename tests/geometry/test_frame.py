@@ -6,6 +6,7 @@ import pytest
 from meshmark.coding.keyed import rotation
 from meshmark.errors import InputError
 from meshmark.geometry.frame import canonical_frame, frame_alternatives, signed_axes, surface_moments
+from tests.counting import some
 from tests.shapes import pebble
 
 
@@ -38,14 +39,14 @@ def test_signed_axes_are_rotations_that_only_the_least_skew_axis_may_spoil():
     backward = (third * turned < 0.0).nonzero()
     assert 50 < len(backward[0]) < 150
     np.testing.assert_array_equal(backward[1], np.abs(third).argmin(axis=1)[backward[0]])
-    for one, moments, expected in zip(axes, third, signed, strict=True):
+    for one, moments, expected in some(zip(axes, third, signed, strict=True)):
         np.testing.assert_array_equal(signed_axes(one, moments), expected)
 
 
 def test_moments_belong_to_the_surface_not_to_its_triangles():
     points, faces = pebble(24)
-    for one, other in zip(
-        surface_moments(points, faces), surface_moments(*split(points, faces)), strict=True
+    for one, other in some(
+        zip(surface_moments(points, faces), surface_moments(*split(points, faces)), strict=True)
     ):
         np.testing.assert_allclose(one, other, rtol=1e-12, atol=1e-14)
 
@@ -76,7 +77,7 @@ def test_alternatives_are_the_four_proper_sign_patterns_and_exchanges_only_where
     frame = canonical_frame(points, faces)
     turns = [frame.axes.T @ other.axes for other in frame_alternatives(frame)]
     assert len(turns) == 4
-    for turn in turns:
+    for turn in some(turns):
         np.testing.assert_allclose(np.abs(turn), np.eye(3), atol=1e-12)
         assert np.linalg.det(turn) == pytest.approx(1.0)
     ring = canonical_frame(points * [1.0, 1.0, 1.0], faces)

@@ -8,6 +8,7 @@ from meshmark.geometry.prepared import Surface
 from meshmark.geometry.registration import KEPT, register
 from meshmark.geometry.weld import weld
 from meshmark.mesh import Mesh
+from tests.counting import some
 from tests.geometry.registering import any_similarity, distance, in_scene, lump, reference
 from tests.shapes import pebble
 
@@ -50,7 +51,7 @@ def test_the_same_input_gives_the_same_poses():
     surface = weld(attacked)
     one, other = (register(landmarks, home, Surface(surface.points, surface.faces)) for _ in range(2))
     assert len(one) == len(other) > 0
-    for a, b in zip(one, other, strict=True):
+    for a, b in some(zip(one, other, strict=True)):
         np.testing.assert_array_equal(a.pose(landmarks.places), b.pose(landmarks.places))
 
 
@@ -58,7 +59,7 @@ def test_another_model_is_not_taken_for_the_reference():
     landmarks, home = reference()
     points, faces = pebble(48)
     found = register(landmarks, home, Surface(points * [1.0, 0.4, 2.0], faces))
-    assert all(fit.quality < 0.7 for fit in found)
+    assert [fit for fit in found if fit.quality >= 0.7] == []
 
 
 def sphere() -> tuple[np.ndarray, np.ndarray]:

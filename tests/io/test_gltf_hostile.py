@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 
 from meshmark.errors import FormatError, InputError
 from meshmark.io.gltf import parse_glb, parse_gltf
+from tests.counting import Share
 from tests.io.gltf_samples import SAMPLES, Sample, cube, instances, rich
 
 HERE = Path("nowhere/model.gltf")
@@ -26,10 +27,12 @@ JUNK = st.sampled_from(
 )
 
 
-def read_or_refuse(data: bytes, glb: bool) -> None:
-    """Read; where that works, use every method."""
+def read_or_refuse(data: bytes, glb: bool, share: Share) -> None:
+    """Read; where that works, use every method. Counts what was read."""
+    share.case()
     try:
         document = (parse_glb if glb else parse_gltf)(data, HERE)
+        share.asserted()
         assert np.isfinite(document.vertices).all()
         assert 0 <= document.faces.min() <= document.faces.max() < len(document.vertices)
         assert document.patched(document.vertices, "out")["out"] == data
@@ -59,9 +62,14 @@ TREES = {name: json.loads(SAMPLES[name]().embedded()) for name in ("rich", "spar
 PATHS = {name: paths_in(tree) for name, tree in TREES.items()}
 
 
+def test_junk_anywhere_in_the_tree() -> None:
+    with Share(0.1) as share:
+        put_junk(share)
+
+
 @settings(max_examples=250, deadline=None)
-@given(st.data())
-def test_junk_anywhere_in_the_tree(data: st.DataObject) -> None:
+@given(data=st.data())
+def put_junk(share: Share, data: st.DataObject) -> None:
     name = data.draw(st.sampled_from(sorted(TREES)))
     tree = copy.deepcopy(TREES[name])
     for path in data.draw(st.lists(st.sampled_from(PATHS[name]), min_size=1, max_size=3)):
@@ -75,20 +83,25 @@ def test_junk_anywhere_in_the_tree(data: st.DataObject) -> None:
                 del place[path[-1]]
         except (KeyError, IndexError, TypeError):
             continue
-    read_or_refuse(json.dumps(tree).encode(), False)
+    read_or_refuse(json.dumps(tree).encode(), False, share)
+
+
+def test_changed_and_cut_bytes() -> None:
+    with Share(0.02) as share:
+        change_bytes(share)
 
 
 @settings(max_examples=150, deadline=None)
 @given(
-    edits=st.lists(st.tuples(st.integers(0, 10**6), st.integers(0, 255)), max_size=8),
+    edits=st.lists(st.tuples(st.integers(0, 10**6), st.integers(0, 255)), max_size=2),
     cut=st.integers(0, 10**6) | st.none(),
     name=st.sampled_from(sorted(SAMPLES)),
 )
-def test_changed_and_cut_bytes(edits: list[tuple[int, int]], cut: int | None, name: str) -> None:
+def change_bytes(share: Share, edits: list[tuple[int, int]], cut: int | None, name: str) -> None:
     data = bytearray(GLBS[name])
     for place, value in edits:
         data[place % len(data)] = value
-    read_or_refuse(bytes(data if cut is None else data[: cut % len(data)]), True)
+    read_or_refuse(bytes(data if cut is None else data[: cut % len(data)]), True, share)
 
 
 GLBS = {name: build().glb(indent=None) for name, build in SAMPLES.items()}

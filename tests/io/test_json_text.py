@@ -34,8 +34,7 @@ def test_every_leaf_is_found(tree: Any, indent: int | None, ascii_only: bool) ->
     wanted = leaves({"root": tree})
     spans = locate(text, wanted.keys())
     assert spans.keys() == wanted.keys()
-    for path, (start, end) in spans.items():
-        assert json.loads(text[start:end]) == wanted[path]
+    assert {path: json.loads(text[start:end]) for path, (start, end) in spans.items()} == wanted
 
 
 @given(st.lists(st.lists(st.integers(), min_size=1), min_size=1), st.data())

@@ -16,6 +16,7 @@ from meshmark.io import FORMATS, conform, read_mesh, write_mesh
 from meshmark.io import save as save_module
 from meshmark.io.formats import OTHER_NAMES
 from meshmark.mesh import Mesh
+from tests.counting import some
 from tests.io.text_samples import SAMPLES
 
 TETRA = Mesh(
@@ -69,7 +70,7 @@ def test_moved_and_conformed(source: Path, tmp_path: Path) -> None:
 
 
 def test_equal_meshes_give_equal_files(tmp_path: Path) -> None:
-    for extension in EXTENSIONS:
+    for extension in some(EXTENSIONS):
         (tmp_path / "b").mkdir(exist_ok=True)
         write_mesh(TETRA, tmp_path / f"a{extension}.gz")
         write_mesh(TETRA, tmp_path / "b" / f"a{extension}.gz")

@@ -11,6 +11,7 @@ from meshmark.errors import FormatError
 from meshmark.io.short_numbers import read_short_floats, read_short_ints
 from meshmark.io.text_numbers import compact, line_number, parse_floats, parse_ints, span_mask
 from meshmark.io.text_tokens import tokenise
+from tests.counting import some
 
 decimals = st.from_regex(
     r"[-+]?([0-9]{1,20}(\.[0-9]{0,20})?|\.[0-9]{1,20})([eE][-+]?[0-9]{1,2})?", fullmatch=True
@@ -33,7 +34,7 @@ def test_floats_equal_python_bit_for_bit(words: list[str], before: str) -> None:
 @given(st.lists(decimals | shortest | st.text("0123456789+-.eE/x", min_size=1), min_size=1))
 def test_what_the_short_reader_accepts_is_right(words: list[str]) -> None:
     values, good = read_short_floats(*spans(words))
-    for word, value, fine in zip(words, values, good, strict=True):
+    for word, value, fine in some(zip(words, values, good, strict=True)):
         assert not fine or np.array(float(word)).view(np.int64) == value.view(np.int64)
 
 

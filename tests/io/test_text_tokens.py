@@ -38,7 +38,8 @@ def test_words_and_lines(text: str) -> None:
     assert words(text.encode()) == [line for line in expected if line]
 
 
-@given(texts)
+# A backslash that ends the file joins nothing.
+@given(texts.filter(lambda text: not text.endswith("\\")))
 def test_comments_and_joined_lines(text: str) -> None:
     lines, joined = [], ""
     for line in text.replace("\r\n", "\n").replace("\r", "\n").split("\n"):
@@ -49,8 +50,6 @@ def test_comments_and_joined_lines(text: str) -> None:
         lines.append((joined + plain).split())
         joined = ""
     lines.append(joined.split())
-    if text.endswith("\\"):  # a backslash that ends the file joins nothing
-        return
     assert words(text.encode(), comments=True, continued=True) == [line for line in lines if line]
 
 

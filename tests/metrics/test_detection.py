@@ -9,16 +9,24 @@ from hypothesis import strategies as st
 
 from meshmark.errors import InputError
 from meshmark.metrics.detection import detection_rate, present_rate, threshold_for
+from tests.counting import Share
 
 SCORES = st.lists(st.integers(-5, 5).map(float), min_size=1, max_size=50)
 
 
+def test_the_threshold_keeps_the_rate_and_no_lower_one_does():
+    with Share(0.3) as share:
+        keeps_the_rate(share)
+
+
 @given(SCORES, st.floats(0.0, 1.0))
-def test_the_threshold_keeps_the_rate_and_no_lower_one_does(scores, rate):
+def keeps_the_rate(share, scores, rate):
     threshold = threshold_for(scores, rate)
     assert present_rate(scores, threshold) <= rate * (1 + 1e-9)
     lower = [score for score in scores if score < threshold]
+    share.case()
     if lower:
+        share.asserted()
         assert present_rate(scores, max(lower)) > rate * (1 - 1e-9)
 
 

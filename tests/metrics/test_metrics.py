@@ -13,6 +13,7 @@ import meshmark as mm
 from meshmark.errors import InputError
 from meshmark.mesh import Mesh
 from meshmark.metrics import METRICS, compare, surface_distance
+from tests.counting import some
 from tests.shapes import pebble
 
 BOX = Mesh(
@@ -22,7 +23,7 @@ MODEL = Mesh(*pebble(24))
 NOISE = np.random.default_rng(5).normal(size=MODEL.vertices.shape)
 OF_MESHES = [name for name, metric in METRICS.items() if metric.takes == "meshes"]
 OF_SURFACES = [name for name in OF_MESHES if name not in ("rms_over_diagonal", "max_over_diagonal")]
-# The rows of DESIGN section 11 and the names that INTERFACE promises.
+# The measures that tables and JSON name: others rely on these names.
 PROMISED = (
     "rms_over_diagonal", "max_over_diagonal", "mrms_over_diagonal", "hausdorff_over_diagonal", "psnr_db",
     "paper_psnr_db", "msdm2", "normal_deviation_deg", "ber", "correlation", "true_positive_rate",
@@ -55,7 +56,7 @@ def ideal(name):
 
 def test_every_promised_measure_is_there_and_says_what_it_is():
     assert set(PROMISED) <= METRICS.keys()
-    for metric in METRICS.values():
+    for metric in some(METRICS.values()):
         assert metric.limits[0] < metric.limits[1]
         assert metric.meaning
         assert metric.function.__doc__

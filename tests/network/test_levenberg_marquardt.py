@@ -9,6 +9,7 @@ from scipy.optimize import least_squares, minimize
 from meshmark.network.levenberg_marquardt import Normal, levenberg_marquardt
 from meshmark.network.losses import Objective, logistic, squares
 from meshmark.network.perceptron import Perceptron
+from tests.counting import Share, some
 
 
 def residual_problem(residual, jacobian):
@@ -73,16 +74,18 @@ def test_a_planted_network_is_recovered_exactly():
     data = rng.normal(size=(400, 2))
     drawn = Perceptron.drawn(data, (3,), rng)
     planted = drawn.with_weights(rng.normal(size=len(drawn.weights)) * 1.5)
-    losses = []
-    for seed in range(4):  # some starts end in a local minimum
-        start = Perceptron.drawn(data, (3,), np.random.default_rng(seed))
-        goal = objective(start, data, planted(data))
-        found = levenberg_marquardt(goal.loss, goal.expand, start.weights, passes=400, tolerance=0.0)
-        losses.append(found.loss)
-        if found.loss < 1e-20:
-            fresh = rng.normal(size=(50, 2))
-            np.testing.assert_allclose(start.with_weights(found.weights)(fresh), planted(fresh), atol=1e-7)
-    assert min(losses) < 1e-20
+    with Share(0.25) as share:
+        for seed in range(4):  # some starts end in a local minimum
+            start = Perceptron.drawn(data, (3,), np.random.default_rng(seed))
+            goal = objective(start, data, planted(data))
+            found = levenberg_marquardt(goal.loss, goal.expand, start.weights, passes=400, tolerance=0.0)
+            share.case()
+            if found.loss < 1e-20:
+                share.asserted()
+                fresh = rng.normal(size=(50, 2))
+                np.testing.assert_allclose(
+                    start.with_weights(found.weights)(fresh), planted(fresh), atol=1e-7
+                )
 
 
 def test_derivatives_of_the_objective_are_those_of_differences():
@@ -94,7 +97,7 @@ def test_derivatives_of_the_objective_are_those_of_differences():
         goal = objective(network, data, targets, loss, 0.01, gain, rng.uniform(size=5000))
         normal = goal.expand(weights)
         assert normal.loss == pytest.approx(goal.loss(weights), rel=1e-13)
-        for column, change in enumerate(np.eye(len(weights)) * 1e-5):
+        for column, change in some(enumerate(np.eye(len(weights)) * 1e-5)):
             slope = (goal.loss(weights + change) - goal.loss(weights - change)) / 2e-5
             assert normal.gradient[column] == pytest.approx(slope, rel=1e-5, abs=1e-8)
         np.testing.assert_array_equal(normal.hessian, normal.hessian.T)

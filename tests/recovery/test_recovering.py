@@ -7,12 +7,9 @@ from scipy.spatial.transform import Rotation
 from meshmark.attacks import ATTACKS, Given
 from meshmark.attacks.attack import Attacked
 from meshmark.errors import InputError
-from meshmark.geometry.adjacency import adjacency, unique_edges
-from meshmark.geometry.areas import vertex_normals
 from meshmark.geometry.closest_point import SurfaceIndex
 from meshmark.geometry.weld import Welded, weld
 from meshmark.mesh import Mesh
-from meshmark.recovery.knowing import known_errors
 from meshmark.recovery.miniature import miniature
 from meshmark.recovery.recovering import Recovered, recover
 from tests.shapes import pebble
@@ -115,20 +112,6 @@ def test_what_is_less_than_the_miniature_tells_gets_no_worse_and_is_said(model, 
     assert 0.0 < after <= before
     assert found.left == 1
     assert not found.moved.any()
-
-
-def test_a_miniature_is_known_by_its_error_on_intact_parts(model):
-    suspect = weld(model)
-    graph = adjacency(unique_edges(suspect.faces), len(suspect.points))
-    every, sizes = np.arange(len(suspect.points)), np.array([20, 300])
-    own = known_errors(suspect.points, graph, every, (suspect.points, suspect.faces), sizes)
-    assert np.allclose(own, 0.0, atol=1e-9)
-    swollen = suspect.points + 0.01 * vertex_normals(suspect.points, suspect.faces)
-    near = known_errors(suspect.points, graph, every, (swollen, suspect.faces), sizes)
-    assert 0.0 < near[0] < 0.005  # the rim tells most of it
-    noise = 0.01 * np.random.default_rng(0).normal(size=suspect.points.shape)
-    rough = known_errors(suspect.points, graph, every, (suspect.points + noise, suspect.faces), sizes)
-    assert (rough > near).all()
 
 
 def test_a_shell_of_which_nothing_is_left_returns_where_points_are_known_to_be_missing(model):

@@ -13,6 +13,7 @@ from meshmark.schemes.ablation.detection import detection_figures
 from meshmark.schemes.ablation.modules import FULL, SALIENCY, SEGMENTATION, Modules, region_map
 from meshmark.schemes.ablation.regions import CHOICES, agreement, region_figures
 from meshmark.segmentation.analysis import segment
+from tests.counting import some
 from tests.shapes import pebble
 
 
@@ -81,12 +82,12 @@ def test_figures_of_regions_are_of_all_choices():
     assert not truth.all()
     assert (scores[truth] > 0).mean() > 0.8
     assert (scores[~truth] > 0).mean() < 0.2
-    assert all(0.0 < share < 1.0 for share in full["called"])
+    assert all(0.0 < share < 1.0 for share in some(full["called"]))
 
 
 def test_times_are_of_all_ways():
     figures = detection_figures(Mesh(*pebble()), np.random.default_rng(1))
     assert set(figures) == set(SALIENCY)
-    assert all(each["seconds"] > 0.0 and each["points"] > 0 for each in figures.values())
+    assert all(each["seconds"] > 0.0 and each["points"] > 0 for each in some(figures.values()))
     with pytest.raises(CapacityError, match="no face"):
         detection_figures(Mesh(np.eye(3), np.zeros((0, 3), np.int64)), np.random.default_rng(1))

