@@ -139,6 +139,18 @@ def test_another_key_finds_nothing(cli, files, tmp_path):
     assert not (tmp_path / "out.ply").exists()
 
 
+def test_the_id_alone_does_not_tell_and_its_certificate_does(cli, files, tmp_path):
+    out, certificate = tmp_path / "id.ply", tmp_path / "id.cert"
+    arguments = ("--key", files.key, "--layers", "ownership", "--certificate", certificate)
+    assert cli("embed", files.model, out, *arguments).code == 0
+    ran = cli("authenticate", out, "--key", files.key)
+    assert ran.code == 3
+    assert ran.out.startswith("Inconclusive")
+    assert "whether it was changed cannot be told" in ran.out
+    ran = cli("authenticate", out, "--key", files.key, "--certificate", certificate)
+    assert (ran.code, ran.out[:9]) == (0, "Authentic")
+
+
 def test_what_cannot_be_told_exits_with_3(cli, files, monkeypatch):
     import meshmark.schemes.ncdg_lv as scheme
 

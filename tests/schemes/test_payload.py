@@ -4,6 +4,9 @@ import numpy as np
 import pytest
 
 from meshmark.errors import CapacityError, InputError
+from meshmark.geometry.weld import weld
+from meshmark.mesh import Mesh
+from meshmark.schemes.ncdg_lv.authentication.content import content_for, content_of
 from meshmark.schemes.ncdg_lv.authentication.payload import (
     KINDS,
     Payload,
@@ -13,6 +16,8 @@ from meshmark.schemes.ncdg_lv.authentication.payload import (
     pack,
     unpack,
 )
+from meshmark.schemes.ncdg_lv.authentication.whole import whole_of
+from tests.shapes import pebble
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -49,3 +54,16 @@ def test_what_cannot_be_is_refused():
 
 def test_few_marks_carry_nothing():
     assert capacity(10, 8) == 0
+
+
+@pytest.mark.parametrize("symbols", [30, 80])
+def test_only_a_miniature_that_was_asked_for_is_refused_where_it_does_not_fit(symbols):
+    surface = weld(Mesh(*pebble(24)))
+    whole = whole_of(surface, 1e-6)
+    packed, remarks = content_for(content_of(None), surface, whole, symbols, 8)
+    assert unpack(packed).whole.points == whole.points
+    assert unpack(packed).kind == "none"
+    assert len(remarks) == 1
+    assert "no payload" in remarks[0]
+    with pytest.raises(CapacityError, match="a miniature of the model does not fit"):
+        content_for(content_of("miniature"), surface, whole, symbols, 8)
