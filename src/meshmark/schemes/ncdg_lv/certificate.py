@@ -33,10 +33,10 @@ from meshmark.geometry.descriptors import DESCRIPTOR_LENGTH
 from meshmark.geometry.frame import Frame, canonical_frame
 from meshmark.geometry.landmarks import Landmarks
 from meshmark.geometry.prepared import Surface
-from meshmark.geometry.weld import weld
 from meshmark.io.whole import write_whole
 from meshmark.mesh import FloatArray, Mesh
 from meshmark.schemes.ncdg_lv.parameters import BUDGETS
+from meshmark.schemes.ncdg_lv.surfaces import marked_surface
 
 __all__ = ["LANDMARKS", "Certificate", "certify"]
 
@@ -120,7 +120,7 @@ def certify(mesh: Mesh, spacing: float, step: float, strength: str) -> Certifica
 
     spacing: of the lattice in canonical units; step: of the quantisation, in spacings.
     """
-    welded = weld(mesh)
+    welded = marked_surface(mesh)
     frame = canonical_frame(welded.points, welded.faces)
     landmarks = Surface(welded.points, welded.faces, frame).landmarks(LANDMARKS)
     return Certificate(

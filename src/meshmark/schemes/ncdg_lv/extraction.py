@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import count
+from itertools import chain, count
 from math import inf, log, log10
 from time import monotonic, perf_counter
 
@@ -13,7 +13,7 @@ import numpy as np
 from meshmark.coding.codec import CHECK_WORD_LIMIT, Codec, Decoded
 from meshmark.coding.keys import Key
 from meshmark.errors import InputError
-from meshmark.geometry.weld import Welded, weld
+from meshmark.geometry.weld import Welded
 from meshmark.mesh import Mesh
 from meshmark.schemes.ncdg_lv.binding import stranger
 from meshmark.schemes.ncdg_lv.certificate import Certificate
@@ -23,6 +23,7 @@ from meshmark.schemes.ncdg_lv.parameters import CREDIBLE_LOG10, DECODE_LOG10, PR
 from meshmark.schemes.ncdg_lv.reading import Reading, readings
 from meshmark.schemes.ncdg_lv.references import starting_frames
 from meshmark.schemes.ncdg_lv.results import Extraction
+from meshmark.schemes.ncdg_lv.surfaces import surfaces_to_read
 from meshmark.schemes.ncdg_lv.threads import on_one_thread
 from meshmark.schemes.ncdg_lv.unsmoothing import unsmoothed_readings
 
@@ -97,7 +98,8 @@ def find(
 ) -> Found:
     """Return the first reading that decodes, else the one with the best lock.
 
-    First the surface is read as it stands; readings whose lock stands out are decoded. Then it is read where a
+    First the surface is read as it stands, of copies of one mesh one (`surfaces_to_read`); readings whose lock stands
+    out are decoded. Then it is read where a
     reference says, its frame corrected, and decoded whatever its lock. With `locking` follow its mirror image,
     what it was before common smoothing, every restoration of its shape, and what it was before a small stretch
     or a planar cut.
@@ -105,16 +107,18 @@ def find(
     decoded word, times the hypotheses.
     """
     codec = Codec(key)
-    surface = weld(mesh)
+    surfaces = surfaces_to_read(mesh)
     best: Reading | None = None
     tickets = _tickets(inf if time_limit is None else monotonic() + time_limit)
     stopped = False
     try:
-        for reading in readings(surface, key, codec.n, tickets, wide, spacings):
-            best = _better(best, reading)
-            if reading.log10_chance <= DECODE_LOG10 and (found := _decoded(codec, reading)):
-                return found
-        for reading in _searched(surface, key, codec.n, tickets, wide, spacings, locking, reference):
+        first = next(surfaces)
+        for surface in chain([first], surfaces):
+            for reading in readings(surface, key, codec.n, tickets, wide, spacings):
+                best = _better(best, reading)
+                if reading.log10_chance <= DECODE_LOG10 and (found := _decoded(codec, reading)):
+                    return found
+        for reading in _searched(first, key, codec.n, tickets, wide, spacings, locking, reference):
             best = _better(best, reading)
             if found := _decoded(codec, reading):
                 return found

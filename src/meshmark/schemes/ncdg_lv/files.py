@@ -11,13 +11,13 @@ import numpy as np
 
 from meshmark.coding.keys import Key
 from meshmark.errors import CapacityError
-from meshmark.geometry.weld import weld
 from meshmark.io import read_mesh, write_mesh
 from meshmark.mesh import Mesh
 from meshmark.schemes.ncdg_lv.authentication.content import Content
 from meshmark.schemes.ncdg_lv.extraction import extract
 from meshmark.schemes.ncdg_lv.layers import embed, still_authentic
 from meshmark.schemes.ncdg_lv.results import Embedding
+from meshmark.schemes.ncdg_lv.surfaces import marked_surface
 from meshmark.schemes.ncdg_lv.undo import sealed
 
 __all__ = ["embed_file"]
@@ -62,7 +62,9 @@ def _check(written: Mesh, key: Key, result: Embedding, name: str) -> None:
     if result.layers != "authentication" and extract(written, key).id != result.id:
         raise CapacityError(f"the id {too_coarse}; use --strength strong or the format of the input")
     known = result.layers == "both"
-    if result.layers != "ownership" and not still_authentic(weld(written), key, result.id, known=known):
+    if result.layers != "ownership" and not still_authentic(
+        marked_surface(written), key, result.id, known=known
+    ):
         raise CapacityError(
             f"the marks of authentication {too_coarse}; use --tolerance tolerant or the format of the input"
         )

@@ -13,15 +13,17 @@ from meshmark.coding.keys import Key
 from meshmark.coding.message import check_id, random_id
 from meshmark.errors import CapacityError, InputError
 from meshmark.geometry.weld import Welded, weld
+from meshmark.io.distinct import distinct, scene_of
 from meshmark.io.save import conform
 from meshmark.mesh import Mesh
 from meshmark.schemes.ncdg_lv.authentication.checks import Checks, check
 from meshmark.schemes.ncdg_lv.authentication.content import Asked, Content, content_for, content_of
 from meshmark.schemes.ncdg_lv.authentication.localisation import altered_points
 from meshmark.schemes.ncdg_lv.authentication.marks import Plan, mark, plan
-from meshmark.schemes.ncdg_lv.authentication.payload import HEAD, capacity, decode, encoder
+from meshmark.schemes.ncdg_lv.authentication.payload import capacity, decode, encoder, unpack
 from meshmark.schemes.ncdg_lv.authentication.precision import Precision, precisions_of
 from meshmark.schemes.ncdg_lv.authentication.whole import whole_of
+from meshmark.schemes.ncdg_lv.copies import as_scene
 from meshmark.schemes.ncdg_lv.embedding import diagonal_of, displacement_rms
 from meshmark.schemes.ncdg_lv.embedding import embed as embed_ownership
 from meshmark.schemes.ncdg_lv.extraction import extract
@@ -66,6 +68,9 @@ def embed(
     """
     start = perf_counter()
     _check(strength, layers)
+    once = distinct(mesh)  # copies of one mesh are marked as one
+    if once is not None:
+        mesh = once.mesh
     content = content_of(payload)
     identity = random_id() if id is None else check_id(id)
     if layers == "ownership":
@@ -84,7 +89,8 @@ def embed(
                 raise CapacityError(str(error)) from None
             result = replace(error.below, remarks=(f"the authentication layer is left out: {error}",))
     seal = partial(sealed, original=mesh, marked=result.mesh, key=key, identity=identity)
-    return replace(result, seconds=perf_counter() - start, seal=seal)
+    result = replace(result, seconds=perf_counter() - start, seal=seal)
+    return result if once is None else as_scene(result, once)
 
 
 class _NoRoomError(CapacityError):
@@ -200,7 +206,7 @@ def _marked(below: Embedding, original: Mesh, key: Key, content: Asked, toleranc
     planned, precision = _planned(mesh, surface, key, tolerance)
     symbols = len(np.unique(planned.payload_index))
     packed, remarks = content_for(
-        content, surface, whole_of(surface, precision.error), symbols, planned.symbol_bits
+        content, surface, whole_of(surface, precision.error, scene_of(mesh)), symbols, planned.symbol_bits
     )
     source = encoder(packed, planned.symbol_bits, symbols)
     marked = mark(surface, key, below.id, source, precision.error)
@@ -210,7 +216,7 @@ def _marked(below: Embedding, original: Mesh, key: Key, content: Asked, toleranc
     _read_back(result, key, below.id, packed, known=below.carriers > 0)
     if precision.remark is not None:
         remarks += (precision.remark,)
-    return _Upper(result, marked.count, max(len(packed) - HEAD, 0), remarks)
+    return _Upper(result, marked.count, len(unpack(packed).content), remarks)
 
 
 def _planned(mesh: Mesh, surface: Welded, key: Key, tolerance: str | None) -> tuple[Plan, Precision]:

@@ -27,6 +27,7 @@ from meshmark.geometry.adjacency import adjacency, unique_edges
 from meshmark.geometry.areas import vertex_normals
 from meshmark.geometry.frame import Frame, canonical_frame, frame_alternatives
 from meshmark.geometry.weld import weld
+from meshmark.io.distinct import distinct
 from meshmark.io.save import conform
 from meshmark.mesh import FloatArray, IntArray, Mesh
 from meshmark.schemes.ncdg_lv.binding import bound, stranger
@@ -76,6 +77,9 @@ def with_undo(certificate: Certificate, original: Mesh, marked: Mesh, key: Key) 
 
     Raises `InputError` where the meshes do not have the same faces and number of vertices.
     """
+    once = distinct(marked)  # of copies, what one of them was moved by tells all
+    if once is not None and original.vertices.shape == once.scene.vertices.shape:
+        original, marked = Mesh(original.vertices[once.rows], once.mesh.faces), once.mesh
     if original.vertices.shape != marked.vertices.shape or not np.array_equal(original.faces, marked.faces):
         raise InputError("the original and the marked model differ in their faces, expected the same model")
     frame = certificate.frame
@@ -97,6 +101,10 @@ def unmark(mesh: Mesh, key: Key, certificate: Certificate) -> Unmarked:
 
     Raises `InputError` where the certificate has no undo data, was changed, or belongs to another key or model.
     """
+    once = distinct(mesh)
+    if once is not None:
+        found = unmark(once.mesh, key, certificate)
+        return replace(found, mesh=once.whole(found.mesh.vertices))
     data, remark = _data(certificate), stranger(certificate, key, None)
     if remark is not None:
         raise InputError(f"{remark[:1].lower()}{remark[1:].rstrip('.')}")

@@ -12,15 +12,17 @@ from meshmark.coding.erasure import ErasureCode
 from meshmark.coding.keys import Key
 from meshmark.geometry.adjacency import adjacency, unique_edges
 from meshmark.geometry.areas import vertex_areas
-from meshmark.geometry.weld import Welded, weld
+from meshmark.geometry.shown import times_of
+from meshmark.geometry.weld import Welded
 from meshmark.mesh import Mesh
 from meshmark.schemes.ncdg_lv.authentication.checks import Checks, check
 from meshmark.schemes.ncdg_lv.authentication.localisation import altered_points
 from meshmark.schemes.ncdg_lv.authentication.payload import Payload, decode, unpack
-from meshmark.schemes.ncdg_lv.authentication.whole import unmarked_parts, used_points
+from meshmark.schemes.ncdg_lv.authentication.whole import points_shown, unmarked_parts
 from meshmark.schemes.ncdg_lv.binding import stranger
 from meshmark.schemes.ncdg_lv.certificate import Certificate
 from meshmark.schemes.ncdg_lv.extraction import extract
+from meshmark.schemes.ncdg_lv.surfaces import marked_surface
 
 __all__ = ["DOUBTFUL_LOG10", "MARKED_LOG10", "Examination", "examine", "told_by_marks"]
 
@@ -62,7 +64,7 @@ class Examination:
         """How many points fewer there are than were signed off, below 0 where there are more; None: not known."""
         if self.payload is None or not self.payload.whole.points:
             return None
-        return self.payload.whole.points - int(used_points(self.surface).sum())
+        return self.payload.whole.points - points_shown(self.surface)
 
     @cached_property
     def area_missing(self) -> float | None:
@@ -70,7 +72,7 @@ class Examination:
         scale = self.checks.scale
         if self.payload is None or not self.payload.whole.area or not scale.half:
             return None
-        areas = vertex_areas(self.surface.points, self.surface.faces)
+        areas = vertex_areas(self.surface.points, self.surface.faces) * times_of(self.surface)
         left = float(areas[~unmarked_parts(self.surface, self.checks.verified)].sum())
         share = 1.0 - left / (self.payload.whole.area * scale.half**2)
         return share if share > _SURE * 2.0 * scale.doubt else 0.0
@@ -81,7 +83,7 @@ def examine(mesh: Mesh, key: Key, reference: Certificate | Mesh | None = None) -
 
     reference: helps to find the ownership layer. Raises `InputError` where the mesh has no surface.
     """
-    surface = weld(mesh)
+    surface = marked_surface(mesh)
     checks = check(surface, key)
     identity = checks.nonce
     if identity is None or checks.log10_chance > MARKED_LOG10:
@@ -147,5 +149,5 @@ def _confirmed(surface: Welded, key: Key, identity: int, checks: Checks, packed:
 
 def told_by_marks(mesh: Mesh, key: Key) -> int | None:
     """Return the id that the marks of authentication alone tell, None where they are not surely there."""
-    checks = check(weld(mesh), key)
+    checks = check(marked_surface(mesh), key)
     return checks.nonce if checks.log10_chance <= MARKED_LOG10 else None
