@@ -3,15 +3,43 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
+from meshmark.geometry.affine import Affine
+from meshmark.geometry.congruence import Tolerance
+from meshmark.geometry.copies import Copies, find_copies
 from meshmark.geometry.shown import Shown
 from meshmark.geometry.weld import Welded, weld
 from meshmark.io.distinct import distinct
-from meshmark.mesh import Mesh
+from meshmark.mesh import IntArray, Mesh
 
-__all__ = ["marked_surface", "surfaces_to_read"]
+__all__ = ["Unfolded", "marked_surface", "once_each", "repeated", "surfaces_to_read", "unfolded"]
+
+# What may be a copy where the file does not tell, each tried in turn: parts of so many points, that differ by so much.
+# The rounding of an export, and what marks of authentication alone change, lie between the two tolerances.
+_EXACT, _NEARLY = Tolerance(0.0, 4e-7), Tolerance(3e-4, 2e-6)
+_TRIED: Final = (
+    (64, _EXACT, False),
+    (64, _NEARLY, False),
+    (8, _EXACT, False),
+    (8, _NEARLY, False),
+    (64, _EXACT, True),
+    (64, _NEARLY, True),
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Unfolded(Shown):
+    """A surface with copies whose every copy was moved to the place of its original.
+
+    place: (p,) the number of the map, in `maps`, that takes each point to its place in the scene.
+    """
+
+    place: IntArray
+    maps: tuple[Affine, ...]
 
 
 def marked_surface(mesh: Mesh) -> Welded:
@@ -34,8 +62,63 @@ def marked_surface(mesh: Mesh) -> Welded:
 
 
 def surfaces_to_read(mesh: Mesh) -> Iterator[Welded]:
-    """Yield the surfaces that may carry the mark of a suspect, likeliest first."""
+    """Yield the surfaces that may carry the mark of a suspect, likeliest first.
+
+    Where its file tells what are copies of one mesh, first without these; where it does not, last without those that
+    look like it.
+    """
     first = marked_surface(mesh)
     yield first
     if isinstance(first, Shown):
         yield weld(mesh)
+    else:
+        for copies in repeated(mesh):
+            yield once_each(mesh, copies)
+
+
+def repeated(mesh: Mesh) -> Iterator[Copies]:
+    """Yield what may be copies of one mesh in a scene whose file does not tell, by its vertices."""
+    welded, seen = weld(mesh), list[Copies]()
+    first = welded.vertex_of_point
+    for least, tolerance, edited in _TRIED:
+        found = find_copies(welded.points, welded.faces, least, tolerance, edited=edited)
+        if found is not None:
+            point = welded.point_of_vertex
+            found = Copies(first[found.original[point]], found.place[point], found.maps)
+        elif len(welded.points) < len(mesh.vertices):
+            # Copies may touch, as the halves of a mirrored model do; their vertices tell them apart.
+            found = find_copies(mesh.vertices, mesh.faces, least, tolerance, edited=edited)
+        if found is not None and not any(_same(found, other) for other in seen):
+            seen.append(found)
+            yield found
+
+
+def _same(one: Copies, other: Copies) -> bool:
+    return bool(((one.place == 0) == (other.place == 0)).all())
+
+
+def once_each(mesh: Mesh, copies: Copies) -> Shown:
+    """Return the surface of a mesh without these copies."""
+    own = copies.place == 0
+    row = np.cumsum(own) - 1
+    faces = mesh.faces[own[mesh.faces].all(axis=1)]
+    welded = weld(Mesh(mesh.vertices[own], row[faces]))
+    point = welded.point_of_vertex[row[copies.original]]
+    pairs = np.unique(copies.place * len(welded.points) + point)
+    times = np.bincount(pairs % len(welded.points), minlength=len(welded.points))
+    return Shown(welded.points, welded.faces, point, times, np.arange(len(welded.points)))
+
+
+def unfolded(mesh: Mesh, copies: Copies) -> Unfolded:
+    """Return the surface of a mesh with each copy in the place of its original; copies stay parts of their own."""
+    welded = weld(mesh)
+    keys = copies.place * len(welded.points) + welded.point_of_vertex
+    _, first, point = np.unique(keys, return_index=True, return_inverse=True)
+    points, place = mesh.vertices[first].copy(), copies.place[first]
+    for number, affine in enumerate(copies.maps):
+        if number:
+            points[place == number] = affine.inverse()(points[place == number])
+    a, b, c = (corners := point[mesh.faces]).T
+    faces = corners[(a != b) & (b != c) & (c != a)]
+    times = np.ones(len(points), np.int64)
+    return Unfolded(points, faces, point, times, point[copies.original[first]], place, copies.maps)

@@ -12,17 +12,17 @@ from meshmark.coding.erasure import ErasureCode
 from meshmark.coding.keys import Key
 from meshmark.geometry.adjacency import adjacency, unique_edges
 from meshmark.geometry.areas import vertex_areas
-from meshmark.geometry.shown import times_of
+from meshmark.geometry.shown import Shown, times_of
 from meshmark.geometry.weld import Welded
 from meshmark.mesh import Mesh
 from meshmark.schemes.ncdg_lv.authentication.checks import Checks, check
 from meshmark.schemes.ncdg_lv.authentication.localisation import altered_points
 from meshmark.schemes.ncdg_lv.authentication.payload import Payload, decode, unpack
-from meshmark.schemes.ncdg_lv.authentication.whole import points_shown, unmarked_parts
+from meshmark.schemes.ncdg_lv.authentication.whole import points_distinct, points_shown, unmarked_parts
 from meshmark.schemes.ncdg_lv.binding import stranger
 from meshmark.schemes.ncdg_lv.certificate import Certificate
 from meshmark.schemes.ncdg_lv.extraction import extract
-from meshmark.schemes.ncdg_lv.surfaces import marked_surface
+from meshmark.schemes.ncdg_lv.surfaces import marked_surface, repeated, unfolded
 
 __all__ = ["DOUBTFUL_LOG10", "MARKED_LOG10", "Examination", "examine", "told_by_marks"]
 
@@ -64,7 +64,11 @@ class Examination:
         """How many points fewer there are than were signed off, below 0 where there are more; None: not known."""
         if self.payload is None or not self.payload.whole.points:
             return None
-        return self.payload.whole.points - points_shown(self.surface)
+        whole = self.payload.whole
+        missing = whole.points - points_shown(self.surface)
+        if missing == 0 and whole.distinct and isinstance(self.surface, Shown):
+            missing = whole.distinct - points_distinct(self.surface)
+        return missing
 
     @cached_property
     def area_missing(self) -> float | None:
@@ -81,9 +85,33 @@ class Examination:
 def examine(mesh: Mesh, key: Key, reference: Certificate | Mesh | None = None) -> Examination:
     """Look for the marks of a mesh; where they do not tell the model's id, the ownership layer is asked.
 
-    reference: helps to find the ownership layer. Raises `InputError` where the mesh has no surface.
+    Copies of one mesh that are to be told by their shape are looked for where the model is not intact without, and
+    believed where the marks say that it had some. reference: helps to find the ownership layer.
+    Raises `InputError` where the mesh has no surface.
     """
-    surface = marked_surface(mesh)
+    found = _examined(marked_surface(mesh), mesh, key, reference)
+    if isinstance(found.surface, Shown) or found.payload is None or not found.payload.whole.distinct:
+        return found
+    for copies in repeated(mesh):
+        if not (found.altered.any() or found.points_missing):
+            break
+        again = _examined(unfolded(mesh, copies), mesh, key, reference)
+        if again.payload is not None and again.payload.whole.distinct and _less(again, found):
+            found = again
+    return found
+
+
+def _less(one: Examination, other: Examination) -> bool:
+    """Return whether less of one is altered than of another examination of the same model."""
+    return (int(one.altered.sum()), abs(one.points_missing or 0)) < (
+        int(other.altered.sum()),
+        abs(other.points_missing or 0),
+    )
+
+
+def _examined(
+    surface: Welded, mesh: Mesh, key: Key, reference: Certificate | Mesh | None = None
+) -> Examination:
     checks = check(surface, key)
     identity = checks.nonce
     if identity is None or checks.log10_chance > MARKED_LOG10:

@@ -15,11 +15,20 @@ from scipy.sparse.csgraph import connected_components
 
 from meshmark.geometry.adjacency import adjacency, unique_edges
 from meshmark.geometry.areas import face_areas
-from meshmark.geometry.shown import times_of
+from meshmark.geometry.shown import Shown, times_of
 from meshmark.geometry.weld import Welded
 from meshmark.io.distinct import Distinct
 
-__all__ = ["COPIES", "SIZE", "Whole", "points_shown", "unmarked_parts", "used_points", "whole_of"]
+__all__ = [
+    "COPIES",
+    "SIZE",
+    "Whole",
+    "points_distinct",
+    "points_shown",
+    "unmarked_parts",
+    "used_points",
+    "whole_of",
+]
 
 _FORM, _MORE = struct.Struct("<If"), struct.Struct("<I")
 SIZE = _FORM.size
@@ -86,6 +95,12 @@ def used_points(surface: Welded) -> NDArray[np.bool_]:
 def points_shown(surface: Welded) -> int:
     """Return how many points that faces use a scene shows, copies counted."""
     return int(times_of(surface)[used_points(surface)].sum())
+
+
+def points_distinct(surface: Shown) -> int:
+    """Return how many points that faces use are no copies."""
+    used = used_points(surface)
+    return int((used & (surface.original == np.arange(len(used)))).sum())
 
 
 def unmarked_parts(surface: Welded, verified: NDArray[np.bool_]) -> NDArray[np.bool_]:
