@@ -20,6 +20,8 @@ __all__ = ["Tolerance", "congruence", "fit_affine", "matched"]
 _MIRROR = np.diag([-1.0, 1.0, 1.0])
 # Frames bring parts so near to each other, in sizes, that nearest points are each other's.
 _ROUGH = 0.05
+# Parts of fewer points are only compared point by point in their order.
+_FRAMED = 64
 
 
 @dataclass(frozen=True)
@@ -82,6 +84,8 @@ def _guesses(one: FloatArray, other: FloatArray, where: tuple[Parts, tuple[int, 
     parts, ends = where
     try:
         yield fit_affine(one, other)
+        if len(one) < _FRAMED:
+            return
         target = canonical_frame(other, parts.faces(ends[1]))
         for turn in (np.eye(3), _MIRROR):
             source = canonical_frame(one @ turn, parts.faces(ends[0]))

@@ -15,7 +15,8 @@ class Parts:
     """The parts that faces (m, 3) connect points (p, 3) to, in the order of their first points.
 
     counts: (c, 2) points and faces. middle: (c, 3) mean of the points; size: (c,) their RMS distance from it.
-    moments: (c, 3) second moments of the points along their axes, rising, over size squared.
+    moments: (c, 4) second moments of the points along their axes, rising, over size squared, and the mean fourth
+    power of their distances from the middle over that of the size.
     """
 
     def __init__(self, points: FloatArray, faces: IntArray) -> None:
@@ -48,7 +49,9 @@ class Parts:
                 second[:, i, j] = np.bincount(sorted_label, arms[:, i] * arms[:, j], count) / held
         square = np.trace(second, axis1=1, axis2=2)
         self.size = np.sqrt(square)
-        self.moments = np.linalg.eigvalsh(second) / np.where(square > 0.0, square, 1.0)[:, None]
+        square = np.where(square > 0.0, square, 1.0)[:, None]
+        fourth = np.bincount(sorted_label, np.einsum("ij,ij->i", arms, arms) ** 2, count) / held
+        self.moments = np.hstack([np.linalg.eigvalsh(second) / square, fourth[:, None] / square**2])
 
     def __len__(self) -> int:
         return len(self.counts)

@@ -24,7 +24,9 @@ FIRST_LARGEST = 0.999
 # Parts looked at where one should lie: several may have the same middle.
 _NEAR = 4
 # Moments over size squared of copies differ by less than this.
-_ALIKE = 1e-3
+# Comparisons of parts that fail, after which no more are made: of many parts that are nearly alike few are copies.
+_MOST_FAILED = 300
+_ALIKE, _ALIKE_EDITED = 1e-3, 0.05
 # Of the largest parts so many are compared with each other for copies that were changed, and points of these may be
 # so many times as many, or as few, as the original's.
 _MOST_EDITED, _MOST_LOST = 16, 3.0
@@ -44,23 +46,23 @@ class Copies:
 
 
 def find_copies(
-    points: FloatArray, faces: IntArray, least: int, tolerance: Tolerance, *, edited: bool = False
+    points: FloatArray, faces: IntArray, least: int, tolerance: Tolerance, *, edited: str = "none"
 ) -> Copies | None:
     """Return what copies there are among the parts of a surface, None where there are none.
 
     points: (p, 3); faces: (m, 3), parts are what they connect. least: points of the smallest part that is taken for a
-    copy by itself; smaller ones are where they lie like the others of a copy. edited: also parts of which a piece was
-    changed since they were copies; their points are copies of the nearest ones.
+    copy by itself; smaller ones are where they lie like the others of a copy. edited: "moved" for parts of which points
+    were moved since they were copies, "cut" also for those with other faces; their points are copies of the nearest ones.
     """
     parts = Parts(points, faces)
     groups = parts.alike(least)
-    if sum(map(len, groups)) < 2 or not (edited or any(len(group) > 1 for group in groups)):
+    if sum(map(len, groups)) < 2 or not (edited == "cut" or any(len(group) > 1 for group in groups)):
         return None
     search = _Search(points, parts, tolerance)
     for group in groups:
         search.compare(group)
-    if edited:
-        search.compare_edited(np.concatenate(groups)[:_MOST_EDITED])
+    if edited != "none":
+        search.compare_edited(np.concatenate(groups)[:_MOST_EDITED], cut=edited == "cut")
     return search.result()
 
 
@@ -75,6 +77,7 @@ class _Search:
         self._original = np.arange(len(points))
         self._place = np.zeros(len(points), np.int64)
         self._maps = [Affine.identity()]
+        self._failed = 0
 
     def result(self) -> Copies | None:
         """Return what was found."""
@@ -83,20 +86,22 @@ class _Search:
     def compare(self, group: IntArray) -> None:
         """Find the copies among parts of equally many points and faces, and what belongs to them."""
         left = [part for part in group if not (self._copy[part] or self._first[part])]
-        while len(left) > 1:
+        while len(left) > 1 and self._failed < _MOST_FAILED:
             one = left[0]
             alike = np.abs(self._parts.moments[left] - self._parts.moments[one]).max(axis=1) < _ALIKE
             members, maps = [one], [Affine.identity()]
             for other in np.array(left)[alike][1:]:
                 found = congruence(self._points, self._parts, (one, int(other)), self._tolerance)
-                if found is not None:
-                    members.append(int(other))
-                    maps.append(found)
+                if found is None:
+                    self._failed += 1
+                    continue
+                members.append(int(other))
+                maps.append(found)
             left = [part for part in left if part not in set(members)]
             if len(members) > 1:
                 self._settle(members, maps)
 
-    def compare_edited(self, group: IntArray) -> None:
+    def compare_edited(self, group: IntArray, *, cut: bool) -> None:
         """Find which of these parts were copies of another one before they were changed."""
         for part in group[::-1]:
             others = [other for other in group if other != part and not self._copy[other]]
@@ -104,8 +109,7 @@ class _Search:
             if self._copy[part] or self._first[part]:
                 continue
             for other in others:
-                share = self._parts.counts[part, 0] / self._parts.counts[other, 0]
-                if not 1.0 / _MOST_LOST < share < _MOST_LOST:
+                if not self._comparable(part, other, cut):
                     continue
                 ends = (int(other), int(part))
                 affine = partial_congruence(self._points, self._parts, ends, self._tolerance)
@@ -116,6 +120,13 @@ class _Search:
                     ends, affine = ends[::-1], affine.inverse()
                 self._take_edited(ends, affine)
                 break
+
+    def _comparable(self, part: int, other: int, cut: bool) -> bool:
+        """Return whether one of two parts may be the other one after a change."""
+        counts, moments = self._parts.counts, self._parts.moments
+        if (counts[part] == counts[other]).all():
+            return bool(np.abs(moments[part] - moments[other]).max() < _ALIKE_EDITED)
+        return cut and 1.0 / _MOST_LOST < counts[part, 0] / counts[other, 0] < _MOST_LOST
 
     def _take_edited(self, ends: tuple[int, int], affine: Affine) -> None:
         here = self._points[self._parts.points(ends[1])]

@@ -22,13 +22,13 @@ __all__ = ["Unfolded", "marked_surface", "once_each", "repeated", "surfaces_to_r
 # The rounding of an export, and what marks of authentication alone change, lie between the two tolerances.
 _EXACT, _NEARLY = Tolerance(0.0, 4e-7), Tolerance(3e-4, 2e-6)
 _TRIED: Final = (
-    (64, _EXACT, False),
-    (64, _NEARLY, False),
-    (8, _EXACT, False),
-    (8, _NEARLY, False),
-    (64, _EXACT, True),
-    (64, _NEARLY, True),
+    (64, _EXACT, "none"),
+    (64, _NEARLY, "none"),
+    (8, _EXACT, "none"),
+    (8, _NEARLY, "none"),
+    (64, _NEARLY, "moved"),
 )
+_TRIED_TOO: Final = ((64, _EXACT, "cut"), (64, _NEARLY, "cut"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,11 +76,14 @@ def surfaces_to_read(mesh: Mesh) -> Iterator[Welded]:
             yield once_each(mesh, copies)
 
 
-def repeated(mesh: Mesh) -> Iterator[Copies]:
-    """Yield what may be copies of one mesh in a scene whose file does not tell, by its vertices."""
+def repeated(mesh: Mesh, *, cut: bool = False) -> Iterator[Copies]:
+    """Yield what may be copies of one mesh in a scene whose file does not tell, by its vertices.
+
+    cut: also of copies that have lost a piece; this takes long.
+    """
     welded, seen = weld(mesh), list[Copies]()
     first = welded.vertex_of_point
-    for least, tolerance, edited in _TRIED:
+    for least, tolerance, edited in (*_TRIED, *(_TRIED_TOO if cut else ())):
         found = find_copies(welded.points, welded.faces, least, tolerance, edited=edited)
         if found is not None:
             point = welded.point_of_vertex

@@ -92,7 +92,7 @@ def examine(mesh: Mesh, key: Key, reference: Certificate | Mesh | None = None) -
     found = _examined(marked_surface(mesh), mesh, key, reference)
     if isinstance(found.surface, Shown) or found.payload is None or not found.payload.whole.distinct:
         return found
-    for copies in repeated(mesh):
+    for copies in repeated(mesh, cut=True):
         if not (found.altered.any() or found.points_missing):
             break
         again = _examined(unfolded(mesh, copies), mesh, key, reference)
