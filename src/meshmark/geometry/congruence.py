@@ -1,4 +1,7 @@
-"""Whether two parts of a surface are alike up to a similarity or its mirror image, and by which map."""
+"""Whether two parts of a surface are alike up to a similarity or its mirror image, and by which map.
+
+Parts that have their points in the same order may be stretched against each other, too.
+"""
 
 from __future__ import annotations
 
@@ -20,6 +23,10 @@ __all__ = ["Tolerance", "congruence", "fit_affine", "matched"]
 _MIRROR = np.diag([-1.0, 1.0, 1.0])
 # Frames bring parts so near to each other, in sizes, that nearest points are each other's.
 _ROUGH = 0.05
+# Moments over size squared of parts that are alike up to a similarity differ by less than this.
+_ALIKE = 1e-3
+# Parts whose least second moment is a smaller share than this are flat: many a map takes them onto each other.
+_FLAT = 1e-3
 # Parts of fewer points are only compared point by point in their order.
 _FRAMED = 64
 
@@ -45,9 +52,12 @@ def congruence(
     """
     one, other = (points[parts.points(end)] for end in ends)
     most = float(tolerance(points, parts.size[[ends[1]]])[0])
-    for affine in _guesses(one, other, (parts, ends)):
+    alike = bool(np.abs(np.subtract(*parts.moments[list(ends)])).max() < _ALIKE)
+    for affine in _guesses(one, other, (parts, ends), alike):
         if float(np.abs(affine(one) - other).max()) <= most:
             return affine
+        if not alike:
+            continue
         pairs = _nearest(affine(one), other, max(most, _ROUGH * parts.size[ends[1]]))
         if pairs is not None:
             refined = fit_affine(one[pairs], other)
@@ -80,11 +90,19 @@ def fit_affine(source: FloatArray, target: FloatArray, weights: FloatArray | Non
     return best
 
 
-def _guesses(one: FloatArray, other: FloatArray, where: tuple[Parts, tuple[int, int]]) -> Iterator[Affine]:
+def _guesses(
+    one: FloatArray, other: FloatArray, where: tuple[Parts, tuple[int, int]], alike: bool
+) -> Iterator[Affine]:
     parts, ends = where
     try:
-        yield fit_affine(one, other)
+        if alike:
+            yield fit_affine(one, other)
         if len(one) < _FRAMED:
+            return
+        if parts.moments[ends[0], 0] > _FLAT:
+            linear, offset = np.split(np.linalg.lstsq(np.c_[one, np.ones(len(one))], other)[0], [3])
+            yield Affine(np.ascontiguousarray(linear.T), offset[0])
+        if not alike:
             return
         target = canonical_frame(other, parts.faces(ends[1]))
         for turn in (np.eye(3), _MIRROR):

@@ -23,10 +23,10 @@ FIRST_LARGEST = 0.999
 """Of several copies the first is taken that is at least so many times as large as the largest."""
 # Parts looked at where one should lie: several may have the same middle.
 _NEAR = 4
-# Moments over size squared of copies differ by less than this.
 # Comparisons of parts that fail, after which no more are made: of many parts that are nearly alike few are copies.
 _MOST_FAILED = 300
-_ALIKE, _ALIKE_EDITED = 1e-3, 0.05
+# Moments over size squared of copies that were changed, or cut, differ by less than this.
+_ALIKE_EDITED, _ALIKE_CUT = 0.05, 0.3
 # Of the largest parts so many are compared with each other for copies that were changed, and points of these may be
 # so many times as many, or as few, as the original's.
 _MOST_EDITED, _MOST_LOST = 16, 3.0
@@ -88,10 +88,9 @@ class _Search:
         left = [part for part in group if not (self._copy[part] or self._first[part])]
         while len(left) > 1 and self._failed < _MOST_FAILED:
             one = left[0]
-            alike = np.abs(self._parts.moments[left] - self._parts.moments[one]).max(axis=1) < _ALIKE
-            members, maps = [one], [Affine.identity()]
-            for other in np.array(left)[alike][1:]:
-                found = congruence(self._points, self._parts, (one, int(other)), self._tolerance)
+            members, maps = [int(one)], [Affine.identity()]
+            for other in left[1:]:
+                found = congruence(self._points, self._parts, (int(one), int(other)), self._tolerance)
                 if found is None:
                     self._failed += 1
                     continue
@@ -126,7 +125,9 @@ class _Search:
         counts, moments = self._parts.counts, self._parts.moments
         if (counts[part] == counts[other]).all():
             return bool(np.abs(moments[part] - moments[other]).max() < _ALIKE_EDITED)
-        return cut and 1.0 / _MOST_LOST < counts[part, 0] / counts[other, 0] < _MOST_LOST
+        share = counts[part, 0] / counts[other, 0]
+        near = np.abs(moments[part] - moments[other]).max() < _ALIKE_CUT
+        return bool(cut and near and 1.0 / _MOST_LOST < share < _MOST_LOST)
 
     def _take_edited(self, ends: tuple[int, int], affine: Affine) -> None:
         here = self._points[self._parts.points(ends[1])]

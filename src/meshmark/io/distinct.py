@@ -19,13 +19,13 @@ from scipy.sparse.csgraph import connected_components
 
 from meshmark.geometry.copies import FIRST_LARGEST
 from meshmark.geometry.weld import Welded
-from meshmark.io.document import Attributes
+from meshmark.io.document import Attributes, Document
 from meshmark.io.placement import Affine, Placement
 from meshmark.io.save import conform
 from meshmark.io.source import SourceFile
 from meshmark.mesh import FloatArray, IntArray, Mesh
 
-__all__ = ["Distinct", "distinct", "scene_of"]
+__all__ = ["Distinct", "Piece", "distinct", "scene_of"]
 
 # A vertex is the image of another one where it lies this near its place, over the largest coordinate.
 _SAME = 1e-9
@@ -91,6 +91,13 @@ class Distinct:
         pairs = np.unique(self.showing * len(welded.points) + point)
         return np.bincount(pairs % len(welded.points), minlength=len(welded.points))
 
+    def repeated(self, mesh: Mesh) -> Piece | None:
+        """Return the part of `mesh`, marked or not, that is shown more than once, None where that is all of it."""
+        pairs = np.unique(self.showing * len(self.rows) + self.row)
+        times = np.bincount(pairs % len(self.rows), minlength=len(self.rows))
+        faces = mesh.faces[(times > 1)[mesh.faces].all(axis=1)]
+        return None if len(faces) in (0, len(mesh.faces)) else Piece.of(mesh, faces)
+
     def _groups(self, chosen: NDArray[np.bool_]) -> list[tuple[IntArray, Affine]]:
         """Return the chosen (n,) vertices that share a map, and the map."""
         count = int(self.showing.max()) + 1
@@ -104,7 +111,80 @@ class Distinct:
 
 
 @dataclass(frozen=True, eq=False)
-class _Once:
+class Piece:
+    """Some faces of a mesh. rows: (k,) the vertices of `whole` that `mesh` has."""
+
+    whole: Mesh
+    mesh: Mesh
+    rows: IntArray
+
+    @classmethod
+    def of(cls, whole: Mesh, faces: IntArray) -> Piece:
+        """Return the piece with these faces (m, 3) of `whole`."""
+        rows, corners = np.unique(faces, return_inverse=True)
+        mesh = Mesh(whole.vertices[rows], corners.reshape(-1, 3))
+        document = _OfPiece(whole, rows, mesh.vertices, mesh.faces)
+        return cls(whole, Mesh(mesh.vertices, mesh.faces, document), rows)
+
+    def back(self, vertices: FloatArray) -> Mesh:
+        """Return the whole as its file holds it, for positions (k, 3) of the piece."""
+        return self.whole.with_vertices(conform(self.whole, _put(self.whole, self.rows, vertices)))
+
+
+def _put(whole: Mesh, rows: IntArray, vertices: FloatArray) -> FloatArray:
+    result = whole.vertices.copy()
+    result[rows] = vertices
+    return result
+
+
+class _Inner:
+    """What the documents of parts of a scene have in common: what it is they say of its file."""
+
+    @property
+    def _scene(self) -> Mesh:
+        raise NotImplementedError
+
+    @property
+    def format(self) -> str:
+        return self._base.format
+
+    def summary(self) -> dict[str, Any]:
+        return self._base.summary()
+
+    def side_files(self) -> tuple[Path, ...]:
+        return self._base.side_files()
+
+    def attributes(self) -> Attributes:
+        return Attributes()
+
+    @property
+    def _base(self) -> Document:
+        assert self._scene.document is not None
+        return self._scene.document
+
+
+@dataclass(frozen=True, eq=False)
+class _OfPiece(_Inner):
+    """The document of `Piece.mesh`; see `Document`."""
+
+    whole: Mesh
+    rows: IntArray
+    vertices: FloatArray
+    faces: IntArray
+
+    @property
+    def _scene(self) -> Mesh:
+        return self.whole
+
+    def conform(self, vertices: FloatArray) -> FloatArray:
+        return conform(self.whole, _put(self.whole, self.rows, vertices))[self.rows]
+
+    def patched(self, vertices: FloatArray, name: str) -> Mapping[str, bytes]:
+        return self._base.patched(_put(self.whole, self.rows, vertices), name)
+
+
+@dataclass(frozen=True, eq=False)
+class _Once(_Inner):
     """The document of `Distinct.mesh`: that of the scene, through its eyes; see `Document`."""
 
     distinct: Distinct
@@ -112,8 +192,8 @@ class _Once:
     faces: IntArray
 
     @property
-    def format(self) -> str:
-        return self._base.format
+    def _scene(self) -> Mesh:
+        return self.distinct.scene
 
     def conform(self, vertices: FloatArray) -> FloatArray:
         return conform(self.distinct.scene, self.distinct.spread(vertices))[self.distinct.rows]
@@ -126,16 +206,6 @@ class _Once:
         arrays = {name: getattr(found, name) for name in ("normals", "texcoords", "colors")}
         rows = self.distinct.rows
         return replace(found, **{name: None if item is None else item[rows] for name, item in arrays.items()})
-
-    def summary(self) -> dict[str, Any]:
-        return self._base.summary()
-
-    def side_files(self) -> tuple[Path, ...]:
-        return self._base.side_files()
-
-    @property
-    def _base(self) -> Any:
-        return self.distinct.scene.document
 
 
 def scene_of(mesh: Mesh) -> Distinct | None:

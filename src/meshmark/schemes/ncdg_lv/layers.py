@@ -24,8 +24,8 @@ from meshmark.schemes.ncdg_lv.authentication.payload import capacity, decode, en
 from meshmark.schemes.ncdg_lv.authentication.precision import Precision, precisions_of
 from meshmark.schemes.ncdg_lv.authentication.whole import whole_of
 from meshmark.schemes.ncdg_lv.copies import as_scene
+from meshmark.schemes.ncdg_lv.copies import embed_repeated as embed_ownership
 from meshmark.schemes.ncdg_lv.embedding import diagonal_of, displacement_rms
-from meshmark.schemes.ncdg_lv.embedding import embed as embed_ownership
 from meshmark.schemes.ncdg_lv.extraction import extract
 from meshmark.schemes.ncdg_lv.parameters import BUDGETS, SPACINGS, STEPS
 from meshmark.schemes.ncdg_lv.results import Embedding

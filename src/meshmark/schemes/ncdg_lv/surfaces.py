@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -13,10 +13,19 @@ from meshmark.geometry.congruence import Tolerance
 from meshmark.geometry.copies import Copies, find_copies
 from meshmark.geometry.shown import Shown
 from meshmark.geometry.weld import Welded, weld
-from meshmark.io.distinct import distinct
+from meshmark.io.distinct import Distinct, distinct, scene_of
 from meshmark.mesh import IntArray, Mesh
 
-__all__ = ["Unfolded", "marked_surface", "once_each", "repeated", "surfaces_to_read", "unfolded"]
+__all__ = [
+    "Unfolded",
+    "marked_surface",
+    "mirrored",
+    "once_each",
+    "only_repeated",
+    "repeated",
+    "surfaces_to_read",
+    "unfolded",
+]
 
 # What may be a copy where the file does not tell, each tried in turn: parts of so many points, that differ by so much.
 # The rounding of an export, and what marks of authentication alone change, lie between the two tolerances.
@@ -29,6 +38,10 @@ _TRIED: Final = (
     (64, _NEARLY, "moved"),
 )
 _TRIED_TOO: Final = ((64, _EXACT, "cut"), (64, _NEARLY, "cut"))
+
+
+# So many faces of a copy tell which way it turns.
+_FACES = 200
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,29 +64,44 @@ def marked_surface(mesh: Mesh) -> Welded:
     once = distinct(mesh)
     if once is None:
         return weld(mesh)
-    welded = weld(once.mesh)
-    return Shown(
-        welded.points,
-        welded.faces,
-        welded.point_of_vertex[once.row],
-        once.shown(welded),
-        np.arange(len(welded.points)),
-    )
+    surface = shown(weld(once.mesh), once)
+    return replace(surface, point_of_vertex=surface.point_of_vertex[once.row])
 
 
 def surfaces_to_read(mesh: Mesh) -> Iterator[Welded]:
     """Yield the surfaces that may carry the mark of a suspect, likeliest first.
 
     Where its file tells what are copies of one mesh, first without these; where it does not, last without those that
-    look like it.
+    look like it. Next to each stands the part of it that is shown more than once: what stands around copies may be
+    too large for them.
     """
     first = marked_surface(mesh)
     yield first
     if isinstance(first, Shown):
+        yield from only_repeated(first)
         yield weld(mesh)
-    else:
-        for copies in repeated(mesh):
-            yield once_each(mesh, copies)
+        return
+    scene = scene_of(mesh)
+    if scene is not None:
+        yield from only_repeated(shown(first, scene))
+        return
+    for copies in repeated(mesh):
+        surface = once_each(mesh, copies)
+        yield surface
+        yield from only_repeated(surface)
+
+
+def only_repeated(surface: Shown) -> Iterator[Shown]:
+    """Yield the part of a surface that is shown more than once, unless that is all of it."""
+    faces = surface.faces[(surface.times > 1)[surface.faces].all(axis=1)]
+    if 0 < len(faces) < len(surface.faces):
+        yield replace(surface, faces=faces)
+
+
+def shown(welded: Welded, scene: Distinct) -> Shown:
+    """Return the surface of `scene.mesh` with how often the scene shows each point."""
+    own = np.arange(len(welded.points))
+    return Shown(welded.points, welded.faces, welded.point_of_vertex, scene.shown(welded), own)
 
 
 def repeated(mesh: Mesh, *, cut: bool = False) -> Iterator[Copies]:
@@ -124,4 +152,23 @@ def unfolded(mesh: Mesh, copies: Copies) -> Unfolded:
     a, b, c = (corners := point[mesh.faces]).T
     faces = corners[(a != b) & (b != c) & (c != a)]
     times = np.ones(len(points), np.int64)
-    return Unfolded(points, faces, point, times, point[copies.original[first]], place, copies.maps)
+    original = point[copies.original[first]]
+    turned = [number for number in range(1, len(copies.maps)) if _is_turned(faces, original, place, number)]
+    faces = np.where(np.isin(place[faces[:, :1]], turned), faces[:, ::-1], faces)
+    return Unfolded(points, faces, point, times, original, place, copies.maps)
+
+
+def mirrored(surface: Unfolded) -> Iterator[Unfolded]:
+    """Yield the mirror image of a surface with mirrored copies: these may be the ones that were marked."""
+    if any(np.linalg.det(affine.linear) < 0.0 for affine in surface.maps):
+        yield replace(surface, points=surface.points * [-1.0, 1.0, 1.0])
+
+
+def _is_turned(faces: IntArray, original: IntArray, place: IntArray, number: int) -> bool:
+    """Return whether the faces of a copy turn the other way than the original's, as some tools turn mirrored ones."""
+    own = original[faces[place[faces[:, 0]] == number][:_FACES]]
+    there = faces[place[faces[:, 0]] == 0]
+    keys = {tuple(np.roll(face, -int(face.argmin()))) for face in there[np.isin(there, own).all(axis=1)]}
+    plain = sum(tuple(np.roll(face, -int(face.argmin()))) in keys for face in own)
+    back = sum(tuple(np.roll(face, -int(face.argmin()))) in keys for face in own[:, ::-1])
+    return back > plain

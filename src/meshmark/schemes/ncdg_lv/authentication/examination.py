@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +23,8 @@ from meshmark.schemes.ncdg_lv.authentication.whole import points_distinct, point
 from meshmark.schemes.ncdg_lv.binding import stranger
 from meshmark.schemes.ncdg_lv.certificate import Certificate
 from meshmark.schemes.ncdg_lv.extraction import extract
-from meshmark.schemes.ncdg_lv.surfaces import marked_surface, repeated, unfolded
+from meshmark.schemes.ncdg_lv.results import Extraction
+from meshmark.schemes.ncdg_lv.surfaces import marked_surface, mirrored, repeated, unfolded
 
 __all__ = ["DOUBTFUL_LOG10", "MARKED_LOG10", "Examination", "examine", "told_by_marks"]
 
@@ -89,20 +91,25 @@ def examine(mesh: Mesh, key: Key, reference: Certificate | Mesh | None = None) -
     believed where the marks say that it had some. reference: helps to find the ownership layer.
     Raises `InputError` where the mesh has no surface.
     """
-    found = _examined(marked_surface(mesh), mesh, key, reference)
-    if isinstance(found.surface, Shown) or found.payload is None or not found.payload.whole.distinct:
+    ask = cache(lambda: extract(mesh, key, reference=reference, locking=reference is not None))
+    found = _examined(marked_surface(mesh), key, reference, ask)
+    if isinstance(found.surface, Shown) or (found.payload and not found.payload.whole.distinct):
         return found
     for copies in repeated(mesh, cut=True):
-        if not (found.altered.any() or found.points_missing):
+        if found.marked and not (found.altered.any() or found.points_missing):
             break
-        again = _examined(unfolded(mesh, copies), mesh, key, reference)
-        if again.payload is not None and again.payload.whole.distinct and _less(again, found):
-            found = again
+        surface = unfolded(mesh, copies)
+        for way in (surface, *mirrored(surface)):
+            again = _examined(way, key, reference, ask)
+            if again.payload is not None and again.payload.whole.distinct and _less(again, found):
+                found = again
     return found
 
 
 def _less(one: Examination, other: Examination) -> bool:
     """Return whether less of one is altered than of another examination of the same model."""
+    if one.marked != other.marked:
+        return one.marked
     return (int(one.altered.sum()), abs(one.points_missing or 0)) < (
         int(other.altered.sum()),
         abs(other.points_missing or 0),
@@ -110,12 +117,13 @@ def _less(one: Examination, other: Examination) -> bool:
 
 
 def _examined(
-    surface: Welded, mesh: Mesh, key: Key, reference: Certificate | Mesh | None = None
+    surface: Welded, key: Key, reference: Certificate | Mesh | None, ask: Callable[[], Extraction]
 ) -> Examination:
+    """Examine one surface of a mesh; ask: reads the ownership layer."""
     checks = check(surface, key)
     identity = checks.nonce
     if identity is None or checks.log10_chance > MARKED_LOG10:
-        found = extract(mesh, key, reference=reference, locking=reference is not None)
+        found = ask()
         identity = found.id
         if identity is not None:
             checks = check(surface, key, identity)
