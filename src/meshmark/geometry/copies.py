@@ -132,10 +132,15 @@ class _Search:
     def _take_edited(self, ends: tuple[int, int], affine: Affine) -> None:
         here = self._points[self._parts.points(ends[1])]
         there = affine(self._points[self._parts.points(ends[0])])
-        self._take(*ends, cKDTree(there).query(here)[1], len(self._maps))
+        ordered = len(here) == len(there) and np.median(np.abs(here - there)) <= self._most(ends[1])
+        pairs = np.arange(len(here)) if ordered else cKDTree(there).query(here)[1]
+        self._take(*ends, pairs, len(self._maps))
         self._first[ends[0]] = True
         self._maps.append(affine)
         self._follow(ends[0], [len(self._maps) - 1])
+
+    def _most(self, part: int) -> float:
+        return float(self._tolerance(self._points, self._parts.size[[part]])[0])
 
     def _settle(self, members: list[int], maps: list[Affine]) -> None:
         """Take one of these parts, of which the maps take the first one to each, for the original of the others."""

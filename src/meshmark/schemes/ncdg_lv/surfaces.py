@@ -40,6 +40,8 @@ _TRIED: Final = (
 _TRIED_TOO: Final = ((64, _EXACT, "cut"), (64, _NEARLY, "cut"))
 
 
+# A copy that differs by this share of the model was changed, or its original was; so many are tried in its place.
+_CHANGED, _EXCHANGED = 1e-3, 2
 # So many faces of a copy tell which way it turns.
 _FACES = 200
 
@@ -89,6 +91,19 @@ def surfaces_to_read(mesh: Mesh) -> Iterator[Welded]:
         surface = once_each(mesh, copies)
         yield surface
         yield from only_repeated(surface)
+        yield from _exchanged(unfolded(mesh, copies))
+
+
+def _exchanged(surface: Unfolded) -> Iterator[Welded]:
+    """Yield the surface without copies but with a copy in place of its original, where one of the two was changed."""
+    off = np.linalg.norm(surface.points - surface.points[surface.original], axis=1)
+    far = off > _CHANGED * float(np.ptp(surface.points, axis=0).max())
+    for number in np.unique(surface.place[far])[:_EXCHANGED]:
+        gone = np.zeros(len(off), bool)
+        gone[surface.original[surface.place == number]] = True
+        kept = np.where(surface.place == 0, ~gone, surface.place == number)
+        faces = surface.faces[kept[surface.faces].all(axis=1)]
+        yield Welded(surface.points, faces, surface.point_of_vertex)
 
 
 def only_repeated(surface: Shown) -> Iterator[Shown]:
