@@ -1,7 +1,7 @@
 """Copies of one mesh in a scene that says nothing of them: connected parts that are alike up to a similarity.
 
-A scene shows a mesh of several parts (a trunk and its leaves) with all of them in the same places about each other.
-So the largest parts are compared, and what else lies about the copies where it lies about the first belongs to them.
+A scene shows a mesh of several parts (a trunk and its leaves) with all of them in the same places about each
+other. So the largest parts are compared, and what else lies about the copies where it lies about the first belongs to them.
 """
 
 from __future__ import annotations
@@ -50,9 +50,10 @@ def find_copies(
 ) -> Copies | None:
     """Return what copies there are among the parts of a surface, None where there are none.
 
-    points: (p, 3); faces: (m, 3), parts are what they connect. least: points of the smallest part that is taken for a
-    copy by itself; smaller ones are where they lie like the others of a copy. edited: "moved" for parts of which points
-    were moved since they were copies, "cut" also for those with other faces; their points are copies of the nearest ones.
+    points: (p, 3); faces: (m, 3), parts are what they connect. least: points of the smallest part that is taken for
+    a copy by itself; smaller ones are where they lie like the others of a copy. edited: "moved" for parts of which
+    points were moved since they were copies, "cut" also for those with other faces; their points are copies of the
+    nearest ones.
     """
     parts = Parts(points, faces)
     groups = parts.alike(least)

@@ -95,7 +95,10 @@ def _alike_rings(one: tuple[FloatArray, IntArray], other: tuple[FloatArray, IntA
 
 
 def _rings(points: FloatArray, faces: IntArray) -> tuple[FloatArray, IntArray]:
-    """Return (r, 9): of points with up to eight neighbours the falling distances over their mean; and the points."""
+    """Return (r, 9): of points with up to eight neighbours the falling distances over their mean; and the points.
+
+    The last of the nine is the number of neighbours.
+    """
     edges = unique_edges(faces)
     ends = np.concatenate([edges, edges[:, ::-1]])
     length = np.linalg.norm(points[ends[:, 0]] - points[ends[:, 1]], axis=1)

@@ -16,8 +16,8 @@ __all__ = ["Shown", "times_of"]
 class Shown(Welded):
     """A welded surface with copies.
 
-    times: (p,) how many places of the scene show each point. original: (p,) the point that each is a copy of, itself
-    where it is none.
+    times: (p,) how many places of the scene show each point. original: (p,) the point that each is a copy of,
+    itself where it is none.
     """
 
     times: IntArray

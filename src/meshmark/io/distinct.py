@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Protocol, runtime_checkable
+from typing import Any, Protocol, cast, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,10 +43,10 @@ class _Placed(Protocol):
 class Distinct:
     """A scene of which each stored mesh is taken once.
 
-    scene: the n vertices of the file; mesh: one showing of each, k vertices; a document of its own says what the file
-    can hold of it. rows: (k,) the scene's vertices that `mesh` has. row: (n,) the vertex of `mesh` that each vertex
-    of the scene is an image of. showing: (n,) the number of the placement of each. maps: from a placement's images
-    back: (showing of the image, showing of the vertex in `mesh`) -> the map of the vertex to its image.
+    scene: the n vertices of the file; mesh: one showing of each, k vertices; a document of its own says what the
+    file can hold of it. rows: (k,) the scene's vertices that `mesh` has. row: (n,) the vertex of `mesh` that each
+    vertex of the scene is an image of. showing: (n,) the number of the placement of each. maps: by the showing of an
+    image and that of the vertex in `mesh`, the map of the vertex to its image.
     """
 
     scene: Mesh
@@ -159,8 +159,7 @@ class _Inner:
 
     @property
     def _base(self) -> Document:
-        assert self._scene.document is not None
-        return self._scene.document
+        return cast(Document, self._scene.document)  # only a scene with one has parts
 
 
 @dataclass(frozen=True, eq=False)

@@ -121,8 +121,8 @@ def certify(
 ) -> Certificate:
     """Return the certificate of a marked mesh; raises `InputError` where it has no surface.
 
-    spacing: of the lattice in canonical units; step: of the quantisation, in spacings. repeated_only: the mark lies in
-    that part of the scene alone which is shown more than once.
+    spacing: of the lattice in canonical units; step: of the quantisation, in spacings. repeated_only: the mark lies
+    in that part of the scene alone which is shown more than once.
     """
     welded = marked_surface(mesh)
     if repeated_only and isinstance(welded, Shown):

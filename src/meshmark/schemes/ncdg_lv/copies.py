@@ -20,7 +20,7 @@ __all__ = ["as_scene", "embed_repeated"]
 def embed_repeated(
     mesh: Mesh, key: Key, *, id: int, strength: str = "standard", reserve: float = 0.0
 ) -> Embedding:
-    """Embed as `embedding.embed` does, or else into that part of the mesh alone which its scene shows more than once.
+    """Embed as `embedding.embed` does, or else into that part of the mesh which its scene shows more than once.
 
     mesh: any, or one that stands for the copies of its scene. Raises as `embedding.embed` does.
     """

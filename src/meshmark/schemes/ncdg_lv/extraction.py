@@ -63,6 +63,7 @@ def extract(
     spacings: Sequence[float] | None = None,
     locking: bool = True,
     time_limit: float | None = None,
+    cut: bool = False,
 ) -> Extraction:
     """Read the id from `mesh` with `key` alone, or with a reference of the model besides.
 
@@ -74,6 +75,7 @@ def extract(
     spacings: lattice spacings to read; by default all that an embedding may have chosen.
     locking: also read shapes from before an attack, and correct their frames.
     time_limit: seconds after which a search gives up; "inconclusive" where it had not found the mark by then.
+    cut: also look for copies of one mesh that have lost a piece.
     Raises `InputError` for an unknown search, a time limit not above 0, or where the mesh has no surface.
     """
     start = perf_counter()
@@ -81,7 +83,7 @@ def extract(
         raise InputError(f"unknown search '{search}', expected one of {', '.join(SEARCHES)}")
     if time_limit is not None and not time_limit > 0.0:
         raise InputError(f"a time limit of {time_limit:g} seconds is out of range, expected more than 0")
-    found = find(mesh, key, search == "wide", spacings, locking, reference, time_limit)
+    found = find(mesh, key, search == "wide", spacings, locking, reference, time_limit, cut)
     result = _result(found, Codec(key), MODES[type(reference)], perf_counter() - start)
     remark = stranger(reference, key, result.id) if isinstance(reference, Certificate) else None
     return result if remark is None else replace(result, advice=f"{result.advice} {remark}")
@@ -95,11 +97,12 @@ def find(
     locking: bool = True,
     reference: Certificate | Mesh | None = None,
     time_limit: float | None = None,
+    cut: bool = False,
 ) -> Found:
     """Return the first reading that decodes, else the one with the best lock.
 
-    First the surface is read as it stands, of copies of one mesh one (`surfaces_to_read`); readings whose lock stands
-    out are decoded. Then it is read where a
+    First the surface is read as it stands, of copies of one mesh one (`surfaces_to_read`); readings whose lock
+    stands out are decoded. Then it is read where a
     reference says, its frame corrected, and decoded whatever its lock. With `locking` follow its mirror image,
     what it was before common smoothing, every restoration of its shape, and what it was before a small stretch
     or a planar cut.
@@ -107,7 +110,7 @@ def find(
     decoded word, times the hypotheses.
     """
     codec = Codec(key)
-    surfaces = surfaces_to_read(mesh)
+    surfaces = surfaces_to_read(mesh, cut=cut)
     best: Reading | None = None
     tickets = _tickets(inf if time_limit is None else monotonic() + time_limit)
     stopped = False

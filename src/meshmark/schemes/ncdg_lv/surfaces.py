@@ -27,7 +27,8 @@ __all__ = [
     "unfolded",
 ]
 
-# What may be a copy where the file does not tell, each tried in turn: parts of so many points, that differ by so much.
+# What may be a copy where the file does not tell, each tried in turn: parts of so many points, that differ by so
+# much.
 # The rounding of an export, and what marks of authentication alone change, lie between the two tolerances.
 _EXACT, _NEARLY = Tolerance(0.0, 4e-7), Tolerance(3e-4, 2e-6)
 _TRIED: Final = (
@@ -40,7 +41,8 @@ _TRIED: Final = (
 _TRIED_TOO: Final = ((64, _EXACT, "cut"), (64, _NEARLY, "cut"))
 
 
-# A copy that differs by this share of the model was changed, or its original was; so many are tried in its place.
+# A copy that differs by this share of the model was changed, or its original was; so many are tried in its
+# place.
 _CHANGED, _EXCHANGED = 1e-3, 2
 # So many faces of a copy tell which way it turns.
 _FACES = 200
@@ -70,12 +72,12 @@ def marked_surface(mesh: Mesh) -> Welded:
     return replace(surface, point_of_vertex=surface.point_of_vertex[once.row])
 
 
-def surfaces_to_read(mesh: Mesh) -> Iterator[Welded]:
+def surfaces_to_read(mesh: Mesh, *, cut: bool = False) -> Iterator[Welded]:
     """Yield the surfaces that may carry the mark of a suspect, likeliest first.
 
-    Where its file tells what are copies of one mesh, first without these; where it does not, last without those that
-    look like it. Next to each stands the part of it that is shown more than once: what stands around copies may be
-    too large for them.
+    Where its file tells what are copies of one mesh, first without these; where it does not, last without those
+    that look like it. Next to each stands the part of it that is shown more than once: what stands around copies may
+    be too large for them. cut: see `repeated`.
     """
     first = marked_surface(mesh)
     yield first
@@ -87,7 +89,7 @@ def surfaces_to_read(mesh: Mesh) -> Iterator[Welded]:
     if scene is not None:
         yield from only_repeated(shown(first, scene))
         return
-    for copies in repeated(mesh):
+    for copies in repeated(mesh, cut=cut):
         surface = once_each(mesh, copies)
         yield surface
         yield from only_repeated(surface)
@@ -180,7 +182,10 @@ def mirrored(surface: Unfolded) -> Iterator[Unfolded]:
 
 
 def _is_turned(faces: IntArray, original: IntArray, place: IntArray, number: int) -> bool:
-    """Return whether the faces of a copy turn the other way than the original's, as some tools turn mirrored ones."""
+    """Return whether the faces of a copy turn the other way than the original's, as some tools turn mirrored ones.
+
+    number: of the copy's place.
+    """
     own = original[faces[place[faces[:, 0]] == number][:_FACES]]
     there = faces[place[faces[:, 0]] == 0]
     keys = {tuple(np.roll(face, -int(face.argmin()))) for face in there[np.isin(there, own).all(axis=1)]}

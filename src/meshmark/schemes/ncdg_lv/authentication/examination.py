@@ -91,7 +91,7 @@ def examine(mesh: Mesh, key: Key, reference: Certificate | Mesh | None = None) -
     believed where the marks say that it had some. reference: helps to find the ownership layer.
     Raises `InputError` where the mesh has no surface.
     """
-    ask = cache(lambda: extract(mesh, key, reference=reference, locking=reference is not None))
+    ask = cache(lambda: extract(mesh, key, reference=reference, locking=reference is not None, cut=True))
     found = _examined(marked_surface(mesh), key, reference, ask)
     if isinstance(found.surface, Shown) or (found.payload and not found.payload.whole.distinct):
         return found

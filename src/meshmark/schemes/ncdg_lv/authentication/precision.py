@@ -88,7 +88,10 @@ def _scene(mesh: Mesh) -> Mesh:
 
 
 def _smallest(mesh: Mesh) -> float:
-    """Return how large the smallest copy of a mesh is beside it, 1 where there are none: rounding weighs more there."""
+    """Return how large the smallest copy of a mesh is beside it, 1 where there are none: rounding weighs more there.
+
+    At most 1.
+    """
     found = scene_of(mesh)
     return 1.0 if found is None else found.smallest
 
