@@ -148,7 +148,7 @@ def test_what_was_changed_in_the_file_is_brought_back_in_every_copy(marked, tmp_
     mesh = read_mesh(folder / "out.glb")
     once = np.linalg.norm(mesh.vertices[:COUNT] - mesh.vertices[300], axis=1) < 0.35
     turn = placed((3, 0, 0), 2)[:3, :3] @ np.linalg.inv(placed((0, 0, 0), 1)[:3, :3])
-    shift = np.array([0.2, 0.0, 0.0])
+    shift = 0.2 * mesh.vertices[300] / np.linalg.norm(mesh.vertices[300])  # outwards
     moved = np.concatenate([once[:, None] * shift, once[:, None] * (turn @ shift)])
     write_mesh(mesh.with_vertices(mesh.vertices + moved), tmp_path / "edited.glb")
     edited = read_mesh(tmp_path / "edited.glb")
@@ -156,7 +156,7 @@ def test_what_was_changed_in_the_file_is_brought_back_in_every_copy(marked, tmp_
     back = recover(edited, KEY).mesh
     assert back is not None
     off = np.linalg.norm(back.vertices - mesh.vertices, axis=1).reshape(2, -1)[:, once]
-    assert off.mean() < 0.25 * 0.2
+    assert off.mean() < 0.5 * 0.2
     np.testing.assert_allclose(off[0], off[1], atol=1e-5)
 
 

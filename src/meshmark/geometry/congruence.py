@@ -116,7 +116,7 @@ def _guesses(
 
 def _nearest(one: FloatArray, other: FloatArray, most: float) -> IntArray | None:
     """Return (n,): the point of `one` next to each of `other`, None where they do not pair off within `most`."""
-    off, found = cKDTree(one).query(other)
+    off, found = (np.asarray(item) for item in cKDTree(one).query(other))
     if off.max() > most or len(np.unique(found)) < len(other):
         return None
-    return np.asarray(found, np.int64)
+    return found.astype(np.int64)

@@ -1,7 +1,8 @@
 """Copies of one mesh in a scene that says nothing of them: connected parts that are alike up to a similarity.
 
 A scene shows a mesh of several parts (a trunk and its leaves) with all of them in the same places about each
-other. So the largest parts are compared, and what else lies about the copies where it lies about the first belongs to them.
+other. So the largest parts are compared, and what else lies about the copies where it lies about the first belongs
+to them.
 """
 
 from __future__ import annotations
@@ -134,7 +135,7 @@ class _Search:
         here = self._points[self._parts.points(ends[1])]
         there = affine(self._points[self._parts.points(ends[0])])
         ordered = len(here) == len(there) and np.median(np.abs(here - there)) <= self._most(ends[1])
-        pairs = np.arange(len(here)) if ordered else cKDTree(there).query(here)[1]
+        pairs = np.arange(len(here)) if ordered else np.asarray(cKDTree(there).query(here)[1], np.int64)
         self._take(*ends, pairs, len(self._maps))
         self._first[ends[0]] = True
         self._maps.append(affine)
@@ -194,9 +195,9 @@ class _Search:
         count = min(_NEAR, len(self._parts))
         if not len(parts):
             return np.empty((0, count), np.int64)
-        off, found = self._tree.query(affine(self._parts.middle[parts]), k=count)
-        off, found = off.reshape(-1, count), found.reshape(-1, count)
+        near = self._tree.query(affine(self._parts.middle[parts]), k=count)
+        off, found = (np.asarray(item).reshape(-1, count) for item in near)
         scale = abs(np.linalg.det(affine.linear)) ** (1 / 3)
-        near = off <= self._tolerance(self._points, scale * self._parts.size[parts])[:, None]
+        close = off <= self._tolerance(self._points, scale * self._parts.size[parts])[:, None]
         same = (self._parts.counts[found] == self._parts.counts[parts][:, None]).all(axis=2)
-        return np.where(near & same, found, -1)
+        return np.where(close & same, found, -1)

@@ -45,8 +45,8 @@ class Distinct:
 
     scene: the n vertices of the file; mesh: one showing of each, k vertices; a document of its own says what the
     file can hold of it. rows: (k,) the scene's vertices that `mesh` has. row: (n,) the vertex of `mesh` that each
-    vertex of the scene is an image of. showing: (n,) the number of the placement of each. maps: by the showing of an
-    image and that of the vertex in `mesh`, the map of the vertex to its image.
+    vertex of the scene is an image of. showing: (n,) the number of the placement of each. maps: by the showing of
+    an image and that of the vertex in `mesh`, the map of the vertex to its image.
     """
 
     scene: Mesh
@@ -202,9 +202,13 @@ class _Once(_Inner):
 
     def attributes(self) -> Attributes:
         found = self._base.attributes()
-        arrays = {name: getattr(found, name) for name in ("normals", "texcoords", "colors")}
         rows = self.distinct.rows
-        return replace(found, **{name: None if item is None else item[rows] for name, item in arrays.items()})
+        return replace(
+            found,
+            normals=None if found.normals is None else found.normals[rows],
+            texcoords=None if found.texcoords is None else found.texcoords[rows],
+            colors=None if found.colors is None else found.colors[rows],
+        )
 
 
 def scene_of(mesh: Mesh) -> Distinct | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -11,13 +12,15 @@ import numpy as np
 
 from meshmark.coding.keys import Key
 from meshmark.errors import CapacityError
+from meshmark.geometry.shown import Shown
+from meshmark.geometry.weld import Welded
 from meshmark.io import read_mesh, write_mesh
 from meshmark.mesh import Mesh
 from meshmark.schemes.ncdg_lv.authentication.content import Content
 from meshmark.schemes.ncdg_lv.extraction import extract
 from meshmark.schemes.ncdg_lv.layers import embed, still_authentic
 from meshmark.schemes.ncdg_lv.results import Embedding
-from meshmark.schemes.ncdg_lv.surfaces import marked_surface
+from meshmark.schemes.ncdg_lv.surfaces import marked_surface, repeated, unfolded
 from meshmark.schemes.ncdg_lv.undo import sealed
 
 __all__ = ["embed_file"]
@@ -62,12 +65,20 @@ def _check(written: Mesh, key: Key, result: Embedding, name: str) -> None:
     if result.layers != "authentication" and extract(written, key).id != result.id:
         raise CapacityError(f"the id {too_coarse}; use --strength strong or the format of the input")
     known = result.layers == "both"
-    if result.layers != "ownership" and not still_authentic(
-        marked_surface(written), key, result.id, known=known
+    if result.layers != "ownership" and not any(
+        still_authentic(surface, key, result.id, known=known) for surface in _surfaces(written)
     ):
         raise CapacityError(
             f"the marks of authentication {too_coarse}; use --tolerance tolerant or the format of the input"
         )
+
+
+def _surfaces(written: Mesh) -> Iterator[Welded]:
+    """Yield the surface that carries the marks, last with copies that its file does not tell put on their first."""
+    first = marked_surface(written)
+    yield first
+    if not isinstance(first, Shown):
+        yield from (unfolded(written, copies) for copies in repeated(written))
 
 
 def _as_written(result: Embedding, original: Mesh, written: Mesh, key: Key) -> Embedding:

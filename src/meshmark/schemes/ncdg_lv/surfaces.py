@@ -76,8 +76,8 @@ def surfaces_to_read(mesh: Mesh, *, cut: bool = False) -> Iterator[Welded]:
     """Yield the surfaces that may carry the mark of a suspect, likeliest first.
 
     Where its file tells what are copies of one mesh, first without these; where it does not, last without those
-    that look like it. Next to each stands the part of it that is shown more than once: what stands around copies may
-    be too large for them. cut: see `repeated`.
+    that look like it. Next to each stands the part of it that is shown more than once: what stands around copies
+    may be too large for them. cut: see `repeated`.
     """
     first = marked_surface(mesh)
     yield first
@@ -97,7 +97,7 @@ def surfaces_to_read(mesh: Mesh, *, cut: bool = False) -> Iterator[Welded]:
 
 
 def _exchanged(surface: Unfolded) -> Iterator[Welded]:
-    """Yield the surface without copies but with a copy in place of its original, where one of the two was changed."""
+    """Yield the surface without copies but one, in place of its original, where one of the two was changed."""
     off = np.linalg.norm(surface.points - surface.points[surface.original], axis=1)
     far = off > _CHANGED * float(np.ptp(surface.points, axis=0).max())
     for number in np.unique(surface.place[far])[:_EXCHANGED]:

@@ -88,10 +88,7 @@ def _scene(mesh: Mesh) -> Mesh:
 
 
 def _smallest(mesh: Mesh) -> float:
-    """Return how large the smallest copy of a mesh is beside it, 1 where there are none: rounding weighs more there.
-
-    At most 1.
-    """
+    """Return how large the smallest copy of a mesh is beside it: rounding weighs more there; 1 without copies."""
     found = scene_of(mesh)
     return 1.0 if found is None else found.smallest
 
