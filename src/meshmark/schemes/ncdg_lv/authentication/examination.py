@@ -96,10 +96,10 @@ def examine(mesh: Mesh, key: Key, reference: Certificate | Mesh | None = None) -
     if isinstance(found.surface, Shown) or (found.payload and not found.payload.whole.distinct):
         return found
     for copies in repeated(mesh, cut=True):
-        if found.marked and not (found.altered.any() or found.points_missing):
-            break
         surface = unfolded(mesh, copies)
         for way in (surface, *mirrored(surface)):
+            if found.marked and not (found.altered.any() or found.points_missing):
+                return found
             again = _examined(way, key, reference, ask)
             if again.payload is not None and again.payload.whole.distinct and _less(again, found):
                 found = again
