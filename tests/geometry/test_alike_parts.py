@@ -42,12 +42,12 @@ def test_copies_are_found_whatever_the_order_of_their_points():
 def test_small_parts_belong_to_the_copy_that_they_lie_about():
     leaf = np.array([[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0], [0, 0, 0.1]])
     corners = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
-    tree = np.concatenate([POINTS, [*leaf, 2, 0, 0], [*leaf, 0, 2, 0]])
+    tree = np.concatenate([POINTS, leaf + np.array([2, 0, 0]), leaf + np.array([0, 2, 0])])
     faces = np.concatenate([FACES, corners + COUNT, corners + COUNT + 4])
     quarter = np.array([[0, -1, 0], [1, 0, 0], [0, 0, 1.0]])
     rows = []
     for turns in range(4):  # each turn takes the copies onto each other
-        rows.append(([*tree, 6, 1, 0]) @ np.linalg.matrix_power(quarter, turns).T)
+        rows.append((tree + np.array([6, 1, 0])) @ np.linalg.matrix_power(quarter, turns).T)
     found = find_copies(
         np.concatenate(rows), np.concatenate([faces + i * len(tree) for i in range(4)]), 64, EXACT
     )

@@ -127,7 +127,7 @@ def test_a_copy_more_or_less_is_an_alteration(marked):
     mesh = read_mesh(folder / "out.glb")
     one = Mesh(mesh.vertices[:COUNT], mesh.faces[: len(mesh.faces) // 2])
     three = Mesh(
-        np.concatenate([mesh.vertices, [*mesh.vertices[:COUNT], 0, 9, 0]]),
+        np.concatenate([mesh.vertices, mesh.vertices[:COUNT] + np.array([0, 9, 0])]),
         np.concatenate([mesh.faces, mesh.faces[: len(mesh.faces) // 2] + 2 * COUNT]),
     )
     for other, missing in ((one, COUNT), (three, -COUNT)):
