@@ -37,11 +37,12 @@ from meshmark.geometry.descriptors import DESCRIPTOR_LENGTH
 from meshmark.geometry.frame import Frame, canonical_frame
 from meshmark.geometry.landmarks import Landmarks
 from meshmark.geometry.prepared import Surface
-from meshmark.geometry.weld import weld
+from meshmark.geometry.shown import Shown
 from meshmark.io.staging import Staging
 from meshmark.io.whole import write_whole
 from meshmark.mesh import FloatArray, Mesh
 from meshmark.schemes.ncdg_lv.parameters import BUDGETS
+from meshmark.schemes.ncdg_lv.surfaces import marked_surface, only_repeated
 
 __all__ = ["LANDMARKS", "Certificate", "certify"]
 
@@ -171,12 +172,17 @@ class _OldVersionError(InputError):
     """A certificate of an earlier meshmark."""
 
 
-def certify(mesh: Mesh, spacing: float, step: float, strength: str) -> Certificate:
+def certify(
+    mesh: Mesh, spacing: float, step: float, strength: str, *, repeated_only: bool = False
+) -> Certificate:
     """Return the certificate of a marked mesh; raises `InputError` where it has no surface.
 
-    spacing: of the lattice in canonical units; step: of the quantisation, in spacings.
+    spacing: of the lattice in canonical units; step: of the quantisation, in spacings. repeated_only: the mark lies
+    in that part of the scene alone which is shown more than once.
     """
-    welded = weld(mesh)
+    welded = marked_surface(mesh)
+    if repeated_only and isinstance(welded, Shown):
+        welded = next(only_repeated(welded), welded)
     frame = canonical_frame(welded.points, welded.faces)
     landmarks = Surface(welded.points, welded.faces, frame).landmarks(LANDMARKS)
     return Certificate(

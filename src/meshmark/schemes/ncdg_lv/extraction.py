@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import count
+from itertools import chain, count
 from math import inf, log, log10
 from time import monotonic, perf_counter
 
@@ -14,7 +14,7 @@ from meshmark.coding.chance import believable
 from meshmark.coding.codec import CHECK_WORD_LIMIT, Codec, Decoded
 from meshmark.coding.keys import Key
 from meshmark.errors import InputError
-from meshmark.geometry.weld import Welded, weld
+from meshmark.geometry.weld import Welded
 from meshmark.mesh import Mesh
 from meshmark.schemes.ncdg_lv.binding import refuse_edited, stranger
 from meshmark.schemes.ncdg_lv.certificate import Certificate
@@ -24,6 +24,7 @@ from meshmark.schemes.ncdg_lv.parameters import CREDIBLE_LOG10, DECODE_LOG10, PR
 from meshmark.schemes.ncdg_lv.reading import Reading, readings
 from meshmark.schemes.ncdg_lv.references import starting_frames
 from meshmark.schemes.ncdg_lv.results import Evidence, Extraction
+from meshmark.schemes.ncdg_lv.surfaces import surfaces_to_read
 from meshmark.schemes.ncdg_lv.threads import on_one_thread
 from meshmark.schemes.ncdg_lv.unsmoothing import unsmoothed_readings
 
@@ -63,6 +64,7 @@ def extract(
     spacings: Sequence[float] | None = None,
     locking: bool = True,
     time_limit: float | None = None,
+    cut: bool = False,
 ) -> Extraction:
     """Read the id from `mesh` with `key` alone, or with a reference of the model besides.
 
@@ -74,6 +76,7 @@ def extract(
     spacings: lattice spacings to read; by default all that an embedding may have chosen.
     locking: also read shapes from before an attack, and correct their frames.
     time_limit: seconds after which a search gives up; "inconclusive" where it had not found the mark by then.
+    cut: also look for copies of one mesh that have lost a piece.
     Raises `InputError` for an unknown search, a time limit not above 0, a certificate of this key that was edited,
     or where the mesh has no surface.
     """
@@ -84,7 +87,7 @@ def extract(
         raise InputError(f"a time limit of {time_limit:g} seconds is out of range, expected more than 0")
     if isinstance(reference, Certificate):
         refuse_edited(reference, key)
-    found = find(mesh, key, search == "wide", spacings, locking, reference, time_limit)
+    found = find(mesh, key, search == "wide", spacings, locking, reference, time_limit, cut)
     result = _result(found, Codec(key), MODES[type(reference)], perf_counter() - start)
     remark = stranger(reference, key, result.id) if isinstance(reference, Certificate) else None
     return result if remark is None else replace(result, advice=f"{result.advice} {remark}")
@@ -98,10 +101,12 @@ def find(
     locking: bool = True,
     reference: Certificate | Mesh | None = None,
     time_limit: float | None = None,
+    cut: bool = False,
 ) -> Found:
     """Return the first reading that decodes, else the one with the best lock.
 
-    First the surface is read as it stands; readings whose lock stands out are decoded. Then it is read where a
+    First the surface is read as it stands, of copies of one mesh one (`surfaces_to_read`); readings whose lock
+    stands out are decoded. Then it is read where a
     reference says, its frame corrected, and decoded whatever its lock. With `locking` follow its mirror image,
     what it was before common smoothing, every restoration of its shape, and what it was before a small stretch
     or a planar cut.
@@ -109,16 +114,18 @@ def find(
     decoded word, times the hypotheses.
     """
     codec = Codec(key)
-    surface = weld(mesh)
+    surfaces = surfaces_to_read(mesh, cut=cut)
     best: Reading | None = None
     tickets = _tickets(inf if time_limit is None else monotonic() + time_limit)
     stopped = False
     try:
-        for reading in readings(surface, key, codec.n, tickets, wide, spacings):
-            best = _better(best, reading)
-            if reading.log10_chance <= DECODE_LOG10 and (found := _decoded(codec, reading)):
-                return found
-        for reading in _searched(surface, key, codec.n, tickets, wide, spacings, locking, reference):
+        first = next(surfaces)
+        for surface in chain([first], surfaces):
+            for reading in readings(surface, key, codec.n, tickets, wide, spacings):
+                best = _better(best, reading)
+                if reading.log10_chance <= DECODE_LOG10 and (found := _decoded(codec, reading)):
+                    return found
+        for reading in _searched(first, key, codec.n, tickets, wide, spacings, locking, reference):
             best = _better(best, reading)
             if found := _decoded(codec, reading):
                 return found

@@ -14,17 +14,19 @@ import numpy as np
 from meshmark.coding.keys import Key
 from meshmark.coding.message import check_id, random_id
 from meshmark.errors import CapacityError, InputError
+from meshmark.io.distinct import distinct, scene_of
 from meshmark.io.save import conform
 from meshmark.mesh import Mesh
 from meshmark.schemes.ncdg_lv.authentication.content import Asked, Content, content_for, content_of
 from meshmark.schemes.ncdg_lv.authentication.examination import examine
 from meshmark.schemes.ncdg_lv.authentication.marks import mark, plan
-from meshmark.schemes.ncdg_lv.authentication.payload import HEAD, encoder, unpack
+from meshmark.schemes.ncdg_lv.authentication.payload import encoder, unpack
 from meshmark.schemes.ncdg_lv.authentication.planning import Planned, plans
 from meshmark.schemes.ncdg_lv.authentication.promises import broken_by
 from meshmark.schemes.ncdg_lv.authentication.whole import whole_of
+from meshmark.schemes.ncdg_lv.copies import as_scene
+from meshmark.schemes.ncdg_lv.copies import embed_repeated as embed_ownership
 from meshmark.schemes.ncdg_lv.embedding import diagonal_of, displacement_rms
-from meshmark.schemes.ncdg_lv.embedding import embed as embed_ownership
 from meshmark.schemes.ncdg_lv.extraction import extract
 from meshmark.schemes.ncdg_lv.parameters import BUDGETS, SPACINGS, STEPS
 from meshmark.schemes.ncdg_lv.results import Embedding
@@ -69,6 +71,9 @@ def embed(
     """
     start = perf_counter()
     _check(strength, layers)
+    once = distinct(mesh)  # copies of one mesh are marked as one
+    if once is not None:
+        mesh = once.mesh
     content = content_of(payload)
     identity = random_id() if id is None else check_id(id)
     if layers == "ownership":
@@ -93,7 +98,8 @@ def embed(
             result = replace(error.below, remarks=(f"the authentication layer is left out: {error}",))
             verify(result.mesh, key, result)
     seal = partial(sealed, original=mesh, marked=result.mesh, key=key, identity=identity)
-    return replace(result, seconds=perf_counter() - start, seal=seal)
+    result = replace(result, seconds=perf_counter() - start, seal=seal)
+    return result if once is None else as_scene(result, once)
 
 
 class _NoRoomError(CapacityError):
@@ -250,7 +256,8 @@ class _UnreadError(CapacityError):
 def _marked_for(below: Embedding, original: Mesh, key: Key, content: Asked, planned: Planned) -> _Upper:
     mesh, surface, precision = planned.mesh, planned.surface, planned.precision
     symbols, symbol_bits = len(np.unique(planned.plan.payload_index)), planned.plan.symbol_bits
-    packed, remarks = content_for(content, surface, whole_of(surface, precision.error), symbols, symbol_bits)
+    whole = whole_of(surface, precision.error, scene_of(mesh))
+    packed, remarks = content_for(content, surface, whole, symbols, symbol_bits)
     source = encoder(packed, symbol_bits, symbols)
     marked = mark(surface, key, below.id, source, precision.error, choice=planned.choice)
     moved = (marked.points != surface.points).any(axis=1)[surface.point_of_vertex]
@@ -269,4 +276,4 @@ def _marked_for(below: Embedding, original: Mesh, key: Key, content: Asked, plan
         )
     if precision.remark is not None:
         remarks += (precision.remark,)
-    return _Upper(result, marked.count, max(len(packed) - HEAD, 0), remarks)
+    return _Upper(result, marked.count, len(unpack(packed).content), remarks)

@@ -9,9 +9,10 @@ from meshmark.geometry.landmarks import Landmarks
 from meshmark.geometry.prepared import Surface
 from meshmark.geometry.registration import register
 from meshmark.geometry.similarity import Similarity
-from meshmark.geometry.weld import Welded, weld
+from meshmark.geometry.weld import Welded
 from meshmark.mesh import Mesh
 from meshmark.schemes.ncdg_lv.certificate import Certificate
+from meshmark.schemes.ncdg_lv.surfaces import marked_surface
 
 __all__ = ["ORIGINAL_LANDMARKS", "starting_frames"]
 
@@ -34,7 +35,7 @@ def starting_frames(suspect: Welded, reference: Certificate | Mesh) -> list[Fram
 def _landmarks(reference: Certificate | Mesh) -> tuple[Landmarks, Frame]:
     if isinstance(reference, Certificate):
         return reference.landmarks, reference.frame
-    welded = weld(reference)
+    welded = marked_surface(reference)
     home = canonical_frame(welded.points, welded.faces)
     return Surface(welded.points, welded.faces, home).landmarks(ORIGINAL_LANDMARKS), home
 

@@ -26,6 +26,7 @@ class Embedding:
     strength, spacing, step: of the lattice, as in `certificate`, which is made when it is asked for.
     remarks: sentences about how the file was read, what was left out, and what a conversion dropped.
     seal: adds to the certificate what takes the mark off again.
+    repeated_only: the id lies in that part of the scene alone which is shown more than once.
     """
 
     mesh: Mesh
@@ -46,11 +47,12 @@ class Embedding:
     step: float
     remarks: tuple[str, ...] = ()
     seal: Callable[[Certificate], Certificate] | None = field(default=None, repr=False)
+    repeated_only: bool = False
 
     @cached_property
     def certificate(self) -> Certificate:
         """What to keep of the marked model, so that its mark is found in a damaged copy, or taken off again."""
-        made = certify(self.mesh, self.spacing, self.step, self.strength)
+        made = certify(self.mesh, self.spacing, self.step, self.strength, repeated_only=self.repeated_only)
         made = replace(made, more={**made.more, "layers": self.layers})
         return made if self.seal is None else self.seal(made)
 
@@ -106,7 +108,7 @@ class Extraction:
 
 
 def _plain(result: Embedding | Extraction) -> dict[str, Any]:
-    names = [entry.name for entry in fields(result) if entry.name not in ("mesh", "seal")]
+    names = [entry.name for entry in fields(result) if entry.name not in ("mesh", "seal", "repeated_only")]
     values = {name: getattr(result, name) for name in names}
     if values.get("psnr_db") == inf:
         values["psnr_db"] = None

@@ -23,13 +23,15 @@ from meshmark.errors import InputError
 from meshmark.geometry.adjacency import adjacency, unique_edges
 from meshmark.geometry.areas import vertex_normals
 from meshmark.geometry.frame import Frame, canonical_frame, frame_alternatives
-from meshmark.geometry.weld import weld
+from meshmark.geometry.weld import Welded, weld
+from meshmark.io.distinct import distinct
 from meshmark.io.save import conform
 from meshmark.mesh import FloatArray, IntArray, Mesh
 from meshmark.schemes.ncdg_lv.authentication.as_written import with_written
 from meshmark.schemes.ncdg_lv.binding import bound, refuse_edited, stranger
 from meshmark.schemes.ncdg_lv.certificate import Certificate
 from meshmark.schemes.ncdg_lv.sealing import TAG_BYTES, open_sealed, seal
+from meshmark.schemes.ncdg_lv.surfaces import surfaces_to_read
 
 __all__ = ["FIELD", "STEP", "Unmarked", "sealed", "unmark", "with_undo"]
 
@@ -43,6 +45,8 @@ DIGEST_BYTES = 16
 LEVELS = ((256, 0), (64, 16), (16, 8), (4, 4), (1, 2))
 # A frame this near the certificate's is the same: what is left is rounding.
 SAME = 1e-6
+# The area of a surface over its size squared, in its own frame and in the certificate's, differs by less than this.
+SAME_AREA = 1e-4
 _FILTERS = [{"id": lzma.FILTER_LZMA2, "preset": 6}]
 
 
@@ -82,6 +86,9 @@ def with_undo(certificate: Certificate, original: Mesh, marked: Mesh, key: Key) 
 
     Raises `InputError` where the meshes do not have the same faces and number of vertices.
     """
+    once = distinct(marked)  # of copies, what one of them was moved by tells all
+    if once is not None and original.vertices.shape == once.scene.vertices.shape:
+        original, marked = Mesh(original.vertices[once.rows], once.mesh.faces), once.mesh
     if original.vertices.shape != marked.vertices.shape or not np.array_equal(original.faces, marked.faces):
         raise InputError("the original and the marked model differ in their faces, expected the same model")
     frame = certificate.frame
@@ -103,6 +110,10 @@ def unmark(mesh: Mesh, key: Key, certificate: Certificate) -> Unmarked:
 
     Raises `InputError` where the certificate has no undo data, was changed, or belongs to another key or model.
     """
+    once = distinct(mesh)
+    if once is not None:
+        found = unmark(once.mesh, key, certificate)
+        return replace(found, mesh=once.whole(found.mesh.vertices))
     data, remark = _data(certificate), stranger(certificate, key, None)
     if remark is not None:
         raise InputError(f"{remark[:1].lower()}{remark[1:].rstrip('.')}")
@@ -151,9 +162,8 @@ def _digest(array: FloatArray | IntArray) -> bytes:
 
 def _frame(mesh: Mesh, certificate: Certificate) -> Frame:
     """Return the certificate's frame where the mesh lies there, else that of the mesh which landmarks confirm."""
-    welded = weld(mesh)
-    own = canonical_frame(welded.points, welded.faces)
     signed = certificate.frame
+    welded, own = _signed_off(mesh, signed)
     off = np.linalg.norm(own.centre - signed.centre) / signed.scale + abs(own.scale / signed.scale - 1.0)
     if off + np.abs(own.axes - signed.axes).max() < SAME:
         return signed
@@ -164,6 +174,16 @@ def _frame(mesh: Mesh, certificate: Certificate) -> Frame:
     frames = list(frame_alternatives(own))
     left = [float(np.mean(tree.query(frame.to_scene(landmarks))[0])) for frame in frames]
     return frames[int(np.argmin(left))]
+
+
+def _signed_off(mesh: Mesh, signed: Frame) -> tuple[Welded, Frame]:
+    """Return the surface whose frame was signed, of a scene perhaps that without its copies; and its own frame."""
+    found = []
+    for surface in surfaces_to_read(mesh):
+        found.append((surface, canonical_frame(surface.points, surface.faces)))
+        if abs(found[-1][1].area / signed.area - 1.0) < SAME_AREA:
+            return found[-1]
+    return found[0]
 
 
 def _levels(count: int) -> Iterator[tuple[NDArray[np.bool_], NDArray[np.bool_], int]]:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from meshmark.carriers.rings import Rings, ordered_rings
 from meshmark.carriers.rings_shape import ring_shapes
 from meshmark.coding.keys import Key
+from meshmark.geometry.shown import Shown
 from meshmark.geometry.weld import Welded
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.schemes.ncdg_lv.authentication.candidates import (
@@ -27,6 +28,9 @@ from meshmark.schemes.ncdg_lv.authentication.symbols import (
 )
 
 __all__ = ["Checks", "check"]
+
+# A mark of a copy lies where its original does if it is off by so many of the smallest steps at most.
+_COINCIDENT = 8.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,8 +97,9 @@ def check(surface: Welded, key: Key, nonce: int | None = None, payload: SymbolSo
         place_values(read.symbol[place], layout.symbol),
         2.0 / (1 << layout.symbol),
     )
+    linked = np.concatenate([pairs, _copied(surface, passed, setting.unit)])
     passed, scale = in_place(
-        faces, passed, pairs, able & ~_vouched(pairs, passed), evidence, int(swept.rounded)
+        faces, passed, linked, able & ~_vouched(pairs, passed), evidence, int(swept.rounded)
     )
     pairs = pairs[passed[pairs[:, 0]]]
     stray = read.holds & (found.kind == PAYLOAD)
@@ -117,6 +122,16 @@ def check(surface: Welded, key: Key, nonce: int | None = None, payload: SymbolSo
         read.symbol[stray].astype(np.uint16),
         found.vertex[stray],
     )
+
+
+def _copied(surface: Welded, passed: NDArray[np.bool_], unit: float) -> IntArray:
+    """Return (n, 2): each mark of a copy that holds and lies where that of the original does, which holds, too."""
+    if not isinstance(surface, Shown):
+        return np.empty((0, 2), np.int64)
+    copy = np.flatnonzero(passed & passed[surface.original])
+    off = np.linalg.norm(surface.points[copy] - surface.points[surface.original[copy]], axis=1)
+    copy = copy[off <= _COINCIDENT * unit]
+    return np.stack([copy, surface.original[copy]], axis=1)
 
 
 def _torn(rings: list[Rings], vertex: IntArray, whole: NDArray[np.bool_], least: int) -> NDArray[np.bool_]:

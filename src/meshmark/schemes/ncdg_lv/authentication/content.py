@@ -59,7 +59,7 @@ def content_for(
     surface: of a miniature; whole: what is signed off. Raises `CapacityError` where what was asked for does not
     fit; where it is a miniature that nobody asked for, a remark says that it is left out.
     """
-    room = capacity(symbols, symbol_bits)
+    room = max(capacity(symbols, symbol_bits) - whole.more, 0)
     if asked.kind == "any":
         try:
             return pack("miniature", miniature(surface.points, surface.faces, room), whole), ()
@@ -70,12 +70,14 @@ def content_for(
     if asked.kind == "none":
         return pack("none", whole=whole), ()
     size = len(asked.content)
-    most = capacity(symbols, symbol_bits, 1.0)
+    most = max(capacity(symbols, symbol_bits, 1.0) - whole.more, 0)
     if size > most:
         raise CapacityError(f"the payload has {size:,} bytes, expected at most {most:,} in this model")
     if size > room:
         share = 0.01 * next(
-            percent for percent in range(int(100 * INTACT), 101) if _fits(size, symbols, symbol_bits, percent)
+            percent
+            for percent in range(int(100 * INTACT), 101)
+            if _fits(size + whole.more, symbols, symbol_bits, percent)
         )
         remark = (
             f"the payload fills the model: it is read back only while {share:.0%} of the marks are intact"

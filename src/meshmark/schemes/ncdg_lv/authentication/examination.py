@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,16 +13,19 @@ from meshmark.coding.erasure import ErasureCode
 from meshmark.coding.keys import Key
 from meshmark.geometry.adjacency import adjacency, unique_edges
 from meshmark.geometry.areas import vertex_areas
-from meshmark.geometry.weld import Welded, weld
+from meshmark.geometry.shown import Shown, times_of
+from meshmark.geometry.weld import Welded
 from meshmark.mesh import Mesh
 from meshmark.schemes.ncdg_lv.authentication.as_written import Since, since_written
 from meshmark.schemes.ncdg_lv.authentication.checks import Checks, check
 from meshmark.schemes.ncdg_lv.authentication.localisation import altered_points
 from meshmark.schemes.ncdg_lv.authentication.payload import Payload, decode, unpack
-from meshmark.schemes.ncdg_lv.authentication.whole import unmarked_parts, used_points
+from meshmark.schemes.ncdg_lv.authentication.whole import points_distinct, points_shown, unmarked_parts
 from meshmark.schemes.ncdg_lv.binding import refuse_edited, stranger
 from meshmark.schemes.ncdg_lv.certificate import Certificate
 from meshmark.schemes.ncdg_lv.extraction import extract
+from meshmark.schemes.ncdg_lv.results import Extraction
+from meshmark.schemes.ncdg_lv.surfaces import marked_surface, mirrored, repeated, unfolded
 
 __all__ = ["DOUBTFUL_LOG10", "MARKED_LOG10", "Examination", "examine"]
 
@@ -60,7 +64,11 @@ class Examination:
         """How many points fewer there are than were signed off, below 0 where there are more; None: not known."""
         if self.payload is None or not self.payload.whole.points:
             return None
-        return self.payload.whole.points - int(used_points(self.surface).sum())
+        whole = self.payload.whole
+        missing = whole.points - points_shown(self.surface)
+        if missing == 0 and whole.distinct and isinstance(self.surface, Shown):
+            missing = whole.distinct - points_distinct(self.surface)
+        return missing
 
     @cached_property
     def area_missing(self) -> float | None:
@@ -68,7 +76,7 @@ class Examination:
         scale = self.checks.scale
         if self.payload is None or not self.payload.whole.area or not scale.half:
             return None
-        areas = vertex_areas(self.surface.points, self.surface.faces)
+        areas = vertex_areas(self.surface.points, self.surface.faces) * times_of(self.surface)
         left = float(areas[~unmarked_parts(self.surface, self.checks.verified)].sum())
         share = 1.0 - left / (self.payload.whole.area * scale.half**2)
         return share if share > _SURE * 2.0 * scale.doubt else 0.0
@@ -77,16 +85,55 @@ class Examination:
 def examine(mesh: Mesh, key: Key, reference: Certificate | Mesh | None = None) -> Examination:
     """Look for the marks of a mesh; where they do not tell the model's id, the ownership layer is asked.
 
-    reference: helps to find the ownership layer. Raises `InputError` where the mesh has no surface, and for a
-    certificate of this key that was edited.
+    Copies of one mesh that are to be told by their shape are looked for where the model is not intact without, and
+    believed where the marks say that it had some. reference: helps to find the ownership layer.
+    Raises `InputError` where the mesh has no surface, and for a certificate of this key that was edited.
     """
     if isinstance(reference, Certificate):
         refuse_edited(reference, key)
-    surface = weld(mesh)
+    ask = cache(lambda: extract(mesh, key, reference=reference, locking=reference is not None, cut=True))
+    found = _examined(mesh, marked_surface(mesh), key, reference, ask)
+    if isinstance(found.surface, Shown) or _intact(found):
+        return found
+    if found.payload and not found.payload.whole.distinct:
+        return found
+    for copies in repeated(mesh, cut=True):
+        surface = unfolded(mesh, copies)
+        for way in (surface, *mirrored(surface)):
+            if _intact(found):
+                return found
+            again = _examined(mesh, way, key, reference, ask)
+            if again.payload is not None and again.payload.whole.distinct and _less(again, found):
+                found = again
+    return found
+
+
+def _intact(found: Examination) -> bool:
+    return found.marked and not (found.altered.any() or found.points_missing)
+
+
+def _less(one: Examination, other: Examination) -> bool:
+    """Return whether less of one is altered than of another examination of the same model."""
+    if one.marked != other.marked:
+        return one.marked
+    return (int(one.altered.sum()), abs(one.points_missing or 0)) < (
+        int(other.altered.sum()),
+        abs(other.points_missing or 0),
+    )
+
+
+def _examined(
+    mesh: Mesh,
+    surface: Welded,
+    key: Key,
+    reference: Certificate | Mesh | None,
+    ask: Callable[[], Extraction],
+) -> Examination:
+    """Examine one surface of a mesh; ask: reads the ownership layer."""
     checks = check(surface, key)
     identity = checks.nonce
     if identity is None or checks.log10_chance > MARKED_LOG10:
-        found = extract(mesh, key, reference=reference, locking=reference is not None)
+        found = ask()
         identity = found.id
         if identity is not None:
             checks = check(surface, key, identity)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from meshmark.coding import erasure
 from meshmark.errors import CapacityError, InputError
-from meshmark.schemes.ncdg_lv.authentication.whole import SIZE, Whole
+from meshmark.schemes.ncdg_lv.authentication.whole import COPIES, SIZE, Whole
 
 __all__ = [
     "HEAD",
@@ -30,7 +30,8 @@ SymbolSource = Callable[[NDArray[np.uint32]], NDArray[np.uint16]]
 KINDS = ("none", "miniature", "bytes", "image")
 """What a payload can be; the place in this list is its first byte."""
 HEAD = 1 + SIZE
-"""Bytes before the content: its kind, and what was signed off as a whole."""
+"""Bytes before the content: its kind, and what was signed off as a whole; more where the model shows copies."""
+_COPIES = 0x80
 INTACT = 0.55
 """Share of the marks that must be left for the payload: 60 % of a surface, less what its border breaks."""
 
@@ -53,16 +54,19 @@ def pack(kind: str, content: bytes = b"", whole: Whole | None = None) -> bytes:
         raise InputError(f"unknown payload '{kind}', expected one of {', '.join(KINDS)}")
     if kind == "none" and content:
         raise InputError(f"the payload 'none' has {len(content)} bytes of content, expected no content")
-    return bytes([KINDS.index(kind)]) + (whole or Whole()).packed() + content
+    whole = whole or Whole()
+    return bytes([KINDS.index(kind) | (_COPIES if whole.distinct else 0)]) + whole.packed() + content
 
 
 def unpack(packed: bytes) -> Payload:
     """Undo `pack`; raises `InputError` where the first byte names no kind."""
-    if len(packed) < HEAD or packed[0] >= len(KINDS):
+    kind, copies = (packed[0] & ~_COPIES, packed[0] & _COPIES) if packed else (len(KINDS), 0)
+    head = HEAD + (COPIES if copies else 0)
+    if len(packed) < head or kind >= len(KINDS):
         raise InputError(
             "the payload is of a kind that this version does not know, expected a newer meshmark"
         )
-    return Payload(KINDS[packed[0]], packed[HEAD:], Whole.read(packed[1:HEAD]))
+    return Payload(KINDS[kind], packed[head:], Whole.read(packed[1:head]))
 
 
 def capacity(marks: int, symbol_bits: int, intact: float = INTACT) -> int:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from meshmark.errors import InputError
+from meshmark.io.distinct import scene_of
 from meshmark.io.save import conform
 from meshmark.mesh import FloatArray, Mesh
 from meshmark.schemes.ncdg_lv.authentication.parameters import FAR_AWAY
@@ -83,11 +84,25 @@ def precision_of(mesh: Mesh, tolerance: str = "strict") -> float:
     """
     if tolerance not in TOLERANCES:
         raise InputError(f"unknown tolerance '{tolerance}', expected one of {', '.join(TOLERANCES)}")
-    strict = max(_DECIMALS, _floats(mesh))
+    strict = max(_DECIMALS / _smallest(mesh), _floats(mesh))
     if tolerance != "tolerant":
         return strict
-    digits = 0.5 * 10.0 ** (np.ceil(np.log10(float(np.abs(_used(mesh)).max()))) - 6.0)
-    return max(strict, float(digits), _GRID * float(np.ptp(mesh.vertices, axis=0).max()))
+    scene = _scene(mesh)
+    digits = 0.5 * 10.0 ** (np.ceil(np.log10(float(np.abs(_used(scene)).max()))) - 6.0)
+    grid = _GRID * float(np.ptp(scene.vertices, axis=0).max())
+    return max(strict, float(digits) / _smallest(mesh), grid / _smallest(mesh))
+
+
+def _scene(mesh: Mesh) -> Mesh:
+    """Return the whole scene of a mesh that stands for its copies, any other mesh itself."""
+    found = scene_of(mesh)
+    return mesh if found is None else found.scene
+
+
+def _smallest(mesh: Mesh) -> float:
+    """Return how large the smallest copy of a mesh is beside it: rounding weighs more there; 1 without copies."""
+    found = scene_of(mesh)
+    return 1.0 if found is None else found.smallest
 
 
 def _used(mesh: Mesh) -> FloatArray:
@@ -97,10 +112,10 @@ def _used(mesh: Mesh) -> FloatArray:
 
 def _floats(mesh: Mesh) -> float:
     """Return what the mesh's own file, and 32-bit floats after a similarity transform, round."""
-    used = _used(mesh)
+    used = _used(_scene(mesh))
     diagonal = float(np.linalg.norm(np.ptp(used, axis=0)))
     farthest = float(np.abs(used).max())
-    return max(_near(mesh), 2.0 * _FLOAT32 * (farthest + diagonal))
+    return max(_near(mesh), 2.0 * _FLOAT32 * (farthest + diagonal) / _smallest(mesh))
 
 
 def _near(mesh: Mesh) -> float:
@@ -111,10 +126,10 @@ def _near(mesh: Mesh) -> float:
 
 def _six_digits(mesh: Mesh) -> float:
     """Return what six significant digits round, as an error of all coordinates alike that marks feel as much."""
-    size = np.maximum(np.abs(_used(mesh)), np.finfo(float).tiny)
+    size = np.maximum(np.abs(_used(_scene(mesh))), np.finfo(float).tiny)
     half = 0.5 * 10.0 ** (np.floor(np.log10(size)) - 5.0)
     felt = np.sqrt((half**2).mean(axis=1))
-    return float(np.quantile(felt, _MOST)) / _FELT
+    return float(np.quantile(felt, _MOST)) / _FELT / _smallest(mesh)
 
 
 def _own(mesh: Mesh, size: float) -> float:

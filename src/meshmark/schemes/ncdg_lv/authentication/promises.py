@@ -88,6 +88,6 @@ def broken_by(mesh: Mesh, key: Key, identity: int, bears: Iterable[str], error: 
         rounded = rounding(mesh.vertices)
         if name != "turned" and np.abs(rounded - mesh.vertices).max() <= _HARMLESS * error:
             continue
-        if not authentic(examine(Mesh(rounded, mesh.faces), key), identity):
+        if not authentic(examine(mesh.with_vertices(rounded), key), identity):
             return called
     return None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import Any
 
@@ -14,13 +14,16 @@ from meshmark.errors import InputError
 from meshmark.geometry.areas import vertex_areas
 from meshmark.geometry.weld import Welded
 from meshmark.io.derived import derived, losses
+from meshmark.io.distinct import distinct
 from meshmark.io.save import conform
 from meshmark.mesh import IntArray, Mesh
 from meshmark.recovery.borders import border_edges
 from meshmark.recovery.recovering import Recovered
 from meshmark.recovery.recovering import recover as recover_surface
 from meshmark.schemes.ncdg_lv.authentication.examination import Examination, examine
+from meshmark.schemes.ncdg_lv.authentication.recovering_copies import folded, scene_again
 from meshmark.schemes.ncdg_lv.certificate import Certificate
+from meshmark.schemes.ncdg_lv.surfaces import Unfolded
 from meshmark.schemes.ncdg_lv.threads import on_one_thread
 
 __all__ = ["Recovery", "recover"]
@@ -84,7 +87,15 @@ def recover(mesh: Mesh, key: Key, *, reference: Certificate | Mesh | None = None
         made = recover_surface(found.surface, found.altered, payload.content, missing=missing)
     except InputError as error:
         return Recovery(None, share, 0, 0, 0, f"It cannot be recovered: {error}.", perf_counter() - start)
-    whole, moved, removed = _of_file(mesh, found.surface, made)
+    once = distinct(mesh)
+    if once is not None:
+        surface = replace(found.surface, point_of_vertex=found.surface.point_of_vertex[once.rows])
+        whole, moved, removed, origin = _of_file(once.mesh, surface, made)
+        whole = scene_again(once, whole, origin)
+    elif isinstance(found.surface, Unfolded):
+        whole, moved, removed, _ = _of_file(mesh, found.surface, folded(found.surface, made))
+    else:
+        whole, moved, removed, _ = _of_file(mesh, found.surface, made)
     added = int(made.added.sum())
     if not (moved or removed or added):
         advice = "What was altered is less than the miniature tells, or out of its reach."
@@ -121,8 +132,8 @@ def _left_open(found: Examination, made: Recovered) -> bool:
     return bool(torn[ends].all(axis=1).any())
 
 
-def _of_file(mesh: Mesh, surface: Welded, made: Recovered) -> tuple[Mesh, int, int]:
-    """Return the recovered mesh with the file's own vertices, how many moved, and how many went."""
+def _of_file(mesh: Mesh, surface: Welded, made: Recovered) -> tuple[Mesh, int, int, IntArray]:
+    """Return the recovered mesh with the file's own vertices, how many moved, how many went, and which each was."""
     there = made.origin >= 0
     number = np.full(len(surface.points), -1)
     number[made.origin[there]] = np.flatnonzero(there)
@@ -131,7 +142,8 @@ def _of_file(mesh: Mesh, surface: Welded, made: Recovered) -> tuple[Mesh, int, i
     vertices = np.where(moved[:, None], made.points[at], mesh.vertices)
     kept = _kept_faces(mesh.faces, surface, made)
     if kept.all() and not made.added.any():
-        return mesh.with_vertices(conform(mesh, vertices)), int(moved.sum()), 0
+        same = mesh.with_vertices(conform(mesh, vertices))
+        return same, int(moved.sum()), 0, np.arange(len(vertices))
     used_before, used = np.zeros(len(vertices), bool), np.zeros(len(vertices), bool)
     used_before[mesh.faces] = True
     corners = _corners(surface, made, len(vertices))
@@ -139,13 +151,14 @@ def _of_file(mesh: Mesh, surface: Welded, made: Recovered) -> tuple[Mesh, int, i
     used[corners[corners < len(vertices)]] = True
     stays = used | ~used_before
     rename = np.concatenate([np.cumsum(stays) - 1, stays.sum() + np.arange((~there).sum())])
+    origin = np.concatenate([np.flatnonzero(stays), np.full(int((~there).sum()), -1)])
     whole = derived(
         mesh,
         np.concatenate([vertices[stays], made.points[~there]]),
         rename[np.concatenate([mesh.faces[kept], corners])],
-        np.concatenate([np.flatnonzero(stays), np.full(int((~there).sum()), -1)]),
+        origin,
     )
-    return whole, int((moved & stays).sum()), int((~stays).sum())
+    return whole, int((moved & stays).sum()), int((~stays).sum()), origin
 
 
 def _kept_faces(faces: IntArray, surface: Welded, made: Recovered) -> NDArray[np.bool_]:
