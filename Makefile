@@ -42,7 +42,7 @@ smoke: setup  ## the smallest benchmark, and the facts that must hold in its tab
 	$(BIN)/python tools/check_smoke.py bench-out/smoke/results.csv
 
 bench: setup  ## the measurements; needs ../shared/data
-	$(BIN)/python -m benchmarks
+	$(BIN)/python -m claims
 
 clean:  ## remove what the other targets made
 	rm -rf $(VENV) demo-out bench-out .pytest_cache .mypy_cache .ruff_cache .hypothesis

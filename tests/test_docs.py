@@ -52,7 +52,7 @@ def test_the_readme_names_every_format_and_what_a_conversion_keeps():
 def test_the_readme_names_every_strength_with_its_budget_and_psnr():
     from math import log10
 
-    from meshmark.schemes.ncdg_lv.parameters import BUDGETS
+    from meshmark.strengths import BUDGETS
 
     rows = re.findall(r"^\| `(\w+)` \| ([\d.]+) % \| ([\d.]+) dB \|", README, re.MULTILINE)
     assert {name: float(share) / 100 for name, share, _ in rows} == pytest.approx(BUDGETS)

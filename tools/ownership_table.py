@@ -10,8 +10,8 @@ import sys
 from collections import defaultdict
 from pathlib import Path
 
-from meshmark.benchmark.intervals import rate
-from meshmark.benchmark.labels import label
+from meshmark.research.benchmark.figures.intervals import rate
+from meshmark.research.benchmark.figures.labels import label
 
 LARGE, MIDDLE = "> 20,000", "5,000-20,000"
 TRUE = ("1", "True", "true")

@@ -14,10 +14,10 @@ from pathlib import Path
 
 import numpy as np
 
-from meshmark.benchmark.models import choose, find_models, load
 from meshmark.errors import MeshmarkError
-from meshmark.schemes.rivals.deep3d.examples import Example, example
-from meshmark.schemes.rivals.deep3d.train import train
+from meshmark.research.benchmark.run.models import choose, find_models, load
+from meshmark.research.schemes.rivals.deep3d.examples import Example, example
+from meshmark.research.schemes.rivals.deep3d.train import train
 
 
 def main() -> None:

@@ -28,11 +28,7 @@ if TYPE_CHECKING:
         OutputError,
     )
     from meshmark.io import read_mesh, write_mesh
-    from meshmark.mesh import Mesh
-    from meshmark.metrics import METRICS, compare
-    from meshmark.saliency import analyse
-    from meshmark.schemes import SCHEMES
-    from meshmark.schemes.ncdg_lv import (
+    from meshmark.marking import (
         Authentication,
         Certificate,
         Recovery,
@@ -42,6 +38,10 @@ if TYPE_CHECKING:
         recover,
         unmark,
     )
+    from meshmark.mesh import Mesh
+    from meshmark.metrics import METRICS, compare
+    from meshmark.research.schemes import SCHEMES
+    from meshmark.saliency import analyse
     from meshmark.segmentation import segment
 
 __all__ = [

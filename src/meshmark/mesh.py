@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from meshmark.arrays import FloatArray, IntArray
+from meshmark.document import Document
 from meshmark.errors import InputError
 
-if TYPE_CHECKING:
-    from meshmark.io.document import Document
-
 __all__ = ["FloatArray", "IntArray", "Mesh"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 # Squares and cubes of coordinates up to this stay in the range of double precision.
 LARGEST = 1e100

@@ -152,7 +152,7 @@ def test_the_id_alone_does_not_tell_and_its_certificate_does(cli, files, tmp_pat
 
 
 def test_what_cannot_be_told_exits_with_3(cli, files, monkeypatch):
-    import meshmark.schemes.ncdg_lv as scheme
+    import meshmark.marking as scheme
 
     sure = scheme.authenticate(mm.read_mesh(files.marked), mm.Key.load(files.key))
     unsure = replace(sure, verdict="inconclusive", advice="The model is too small.")

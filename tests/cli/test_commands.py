@@ -143,7 +143,7 @@ def test_extract_with_another_key_exits_with_1(cli, files, tmp_path):
 def test_extract_that_cannot_tell_exits_with_3(cli, files, monkeypatch):
     from dataclasses import replace
 
-    import meshmark.schemes.ncdg_lv as scheme
+    import meshmark.marking as scheme
 
     sure = scheme.extract(mm.read_mesh(files.marked), mm.Key.load(files.key))
     unsure = replace(sure, presence="inconclusive", id=None, advice="The model is too small.")

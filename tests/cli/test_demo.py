@@ -14,7 +14,7 @@ from refusals import assert_refused, snapshot
 import meshmark as mm
 from meshmark.cli.demo import NOISE, SCALE, travelled
 from meshmark.cli.demo_damage import PUSH, bent
-from meshmark.schemes.ncdg_lv import layers
+from meshmark.marking import layers
 from tests.shapes import pebble
 
 
@@ -87,8 +87,8 @@ def test_travelled_is_a_similarity_with_noise_of_the_stated_size_and_keeps_coinc
 @pytest.mark.parametrize(("presence", "code"), [("absent", 1), ("inconclusive", 3), ("present", 1)])
 def test_the_demo_fails_where_the_id_does_not_come_back(cli, folder, other, monkeypatch, presence, code):
     import meshmark.cli.demo as program
-    import meshmark.report.demo as drawing
-    import meshmark.schemes.ncdg_lv as scheme
+    import meshmark.marking as scheme
+    import meshmark.report.demo_picture as drawing
 
     monkeypatch.setattr(drawing, "demo_picture", lambda *_: None)
     monkeypatch.setattr(program, "damage", lambda *_: [])

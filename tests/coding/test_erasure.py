@@ -5,10 +5,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from meshmark.coding.erasure import ErasureCode, capacity, decode
-from meshmark.coding.erasure_belief import trust
-from meshmark.coding.erasure_graph import DENSE, Graph, mix, sizes
-from meshmark.coding.erasure_solver import eliminate, peel
+from meshmark.coding.erasure.belief import trust
+from meshmark.coding.erasure.erasure_code import ErasureCode, capacity, decode
+from meshmark.coding.erasure.graph import DENSE, Graph, mix, sizes
+from meshmark.coding.erasure.solver import eliminate, peel
 from meshmark.errors import CapacityError, InputError
 from tests.counting import some
 

@@ -8,8 +8,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from meshmark.geometry.frame import Frame, canonical_frame
-from meshmark.geometry.landmarks import Landmarks
-from meshmark.geometry.prepared import Surface
+from meshmark.geometry.registration.landmarks import Landmarks
+from meshmark.geometry.registration.prepared_surface import Surface
 from meshmark.geometry.similarity import Similarity
 from meshmark.mesh import FloatArray, IntArray
 from tests.shapes import pebble

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from meshmark.geometry.descriptors import DESCRIPTOR_LENGTH, SHELLS, describe, tangent_axes
-from meshmark.geometry.surfels import Surfels, make_surfels
+from meshmark.geometry.registration.descriptors import DESCRIPTOR_LENGTH, SHELLS, describe, tangent_axes
+from meshmark.geometry.registration.surfels import Surfels, make_surfels
 from tests.counting import some
 from tests.shapes import pebble
 

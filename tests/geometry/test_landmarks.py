@@ -3,10 +3,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from meshmark.geometry.landmarks import LEAST_FLATNESS, WIDTH, spread
-from meshmark.geometry.prepared import Surface
-from meshmark.geometry.surfels import Surfels
-from meshmark.geometry.windows import look
+from meshmark.geometry.registration.landmarks import LEAST_FLATNESS, WIDTH, spread
+from meshmark.geometry.registration.prepared_surface import Surface
+from meshmark.geometry.registration.surfels import Surfels
+from meshmark.geometry.registration.windows import look
 from tests.geometry.registering import lump, reference
 
 

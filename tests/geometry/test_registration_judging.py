@@ -2,8 +2,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from meshmark.geometry.judging import judge
-from meshmark.geometry.prepared import Surface
+from meshmark.geometry.registration.agreement import judge
+from meshmark.geometry.registration.prepared_surface import Surface
 from meshmark.geometry.similarity import Similarity
 from tests.geometry.registering import any_similarity, lump, reference
 

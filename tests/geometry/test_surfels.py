@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from meshmark.geometry.areas import face_areas
-from meshmark.geometry.surfels import low_passed, make_surfels
+from meshmark.geometry.registration.surfels import low_passed, make_surfels
 from tests.shapes import pebble
 
 CORNERS = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])

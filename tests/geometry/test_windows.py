@@ -3,8 +3,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from meshmark.geometry.surfels import Surfels
-from meshmark.geometry.windows import look
+from meshmark.geometry.registration.surfels import Surfels
+from meshmark.geometry.registration.windows import look
 
 STEP = 0.02
 GRID = np.stack(np.meshgrid(*[np.arange(-1, 1, STEP) + STEP / 2] * 2), axis=-1).reshape(-1, 2)

@@ -10,7 +10,7 @@ from typing import Any
 import DracoPy
 import numpy as np
 
-from meshmark.io.gltf_accessor import WIDTHS, component
+from meshmark.io.gltf.accessor import WIDTHS, component
 from tests.io.gltf_samples import Sample
 
 # Streams that meshoptimizer 1.3 (npm) encoded, with the SHA-256 (16 digits) of what it decodes them to:

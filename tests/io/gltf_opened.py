@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from meshmark.io.gltf import GltfDocument, parse_glb, parse_gltf
+from meshmark.io.gltf.parse import GltfDocument, parse_glb, parse_gltf
 from tests.io.gltf_samples import Sample
 
 SHELLS = ("glb", "embedded", "external")

@@ -10,8 +10,8 @@ import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
+from meshmark.document import Document
 from meshmark.errors import InputError
-from meshmark.io.document import Document
 from meshmark.io.formats import detect_format
 from tests.counting import Share
 from tests.io.binary_samples import binary_ply, binary_stl

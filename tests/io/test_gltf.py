@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from meshmark.errors import FormatError, InputError
-from meshmark.io.gltf import GltfDocument, parse_glb, parse_gltf
+from meshmark.io.gltf.parse import GltfDocument, parse_glb, parse_gltf
 from tests.counting import some
 from tests.io.gltf_opened import SHELLS, moved, opened
 from tests.io.gltf_samples import (

@@ -15,7 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from meshmark.errors import FormatError, InputError
-from meshmark.io.gltf import parse_glb, parse_gltf
+from meshmark.io.gltf.parse import parse_glb, parse_gltf
 from tests.counting import Share
 from tests.io.gltf_samples import SAMPLES, Sample, cube, instances, rich
 
@@ -211,8 +211,8 @@ resource.setrlimit(resource.RLIMIT_AS, (3 << 30, 3 << 30))
 resource.setrlimit(resource.RLIMIT_CPU, (60, 60))
 import numpy as np
 from meshmark.errors import FormatError
-from meshmark.io.gltf import parse_glb, parse_gltf
-from meshmark.io.threemf import parse_3mf
+from meshmark.io.gltf.parse import parse_glb, parse_gltf
+from meshmark.io.threemf.parse import parse_3mf
 read = {".glb": parse_glb, ".gltf": parse_gltf, ".3mf": parse_3mf}
 fine = 0
 for name in sys.argv[1:]:

@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 import trimesh
 
+from meshmark.document import Attributes
 from meshmark.errors import InputError
-from meshmark.io.document import Attributes
-from meshmark.io.gltf import parse_glb, parse_gltf
-from meshmark.io.gltf_new import convert_glb, convert_gltf
-from meshmark.io.threemf import parse_3mf
-from meshmark.io.threemf_new import convert_3mf
+from meshmark.io.gltf.convert import convert_glb, convert_gltf
+from meshmark.io.gltf.parse import parse_glb, parse_gltf
+from meshmark.io.threemf.convert import convert_3mf
+from meshmark.io.threemf.parse import parse_3mf
 from tests.io.gltf_samples import CUBE, CUBE_FACES, UNIT
 
 HERE = Path("new")

@@ -7,8 +7,8 @@ import pytest
 
 from meshmark.io import read_mesh, write_mesh
 from meshmark.io.derived import derived, losses
-from meshmark.io.gltf_accessor import open_accessor
-from meshmark.io.gltf_remesh import can_remesh
+from meshmark.io.gltf.accessor import open_accessor
+from meshmark.io.gltf.remesh import can_remesh
 from meshmark.mesh import Mesh
 from tests.counting import some
 from tests.io.gltf_opened import SHELLS, opened

@@ -10,7 +10,7 @@ import pytest
 
 from meshmark.errors import InputError
 from meshmark.io import check_recompression, read_mesh, write_mesh
-from meshmark.io.gltf_accessor import open_accessor
+from meshmark.io.gltf.accessor import open_accessor
 from meshmark.mesh import Mesh
 from tests.io.compressed_samples import draco_grid, with_meshopt
 from tests.io.gltf_samples import SAMPLES, Sample

@@ -11,7 +11,7 @@ import trimesh
 from scipy.spatial.transform import Rotation
 
 from meshmark.io import read_mesh, write_mesh
-from meshmark.io.gltf import parse_glb, parse_gltf
+from meshmark.io.gltf.parse import parse_glb, parse_gltf
 from tests.io.gltf_opened import opened
 from tests.io.gltf_samples import CUBE, CUBE_FACES, SAMPLES, cube, instances
 

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from meshmark.errors import FormatError
-from meshmark.io import gltf_streams
-from meshmark.io.gltf_streams import Stream, decode_streams
+from meshmark.io.gltf import streams as gltf_streams
+from meshmark.io.gltf.streams import Stream, decode_streams
 from tests.io.compressed_samples import STREAMS, bytes_of, draco_grid
 
 

@@ -16,12 +16,12 @@ from hypothesis import strategies as st
 
 from meshmark.errors import FormatError, InputError
 from meshmark.io import read_mesh, write_mesh
-from meshmark.io.gltf import GltfDocument, parse_glb, parse_gltf
-from meshmark.io.gltf_accessor import open_accessor
-from meshmark.io.gltf_codecs import decode
-from meshmark.io.gltf_container import Container, open_glb
-from meshmark.io.gltf_streams import Stream, _check_size
-from meshmark.io.gltf_unpack import COMPRESSIONS, compressions
+from meshmark.io.gltf.accessor import open_accessor
+from meshmark.io.gltf.codecs import decode
+from meshmark.io.gltf.container import Container, open_glb
+from meshmark.io.gltf.parse import GltfDocument, parse_glb, parse_gltf
+from meshmark.io.gltf.streams import Stream, _check_size
+from meshmark.io.gltf.unpack import COMPRESSIONS, compressions
 from tests.io.compressed_samples import draco_grid, with_meshopt
 from tests.io.gltf_samples import SAMPLES, Sample
 from tests.io.test_gltf_hostile import JUNK, paths_in, read_or_refuse
@@ -225,7 +225,7 @@ def test_junk_anywhere_in_the_tree_of_a_compressed_file(
             raise FormatError("broken")
         return [decode(item.data, item.codec, **item.parameters) for item in streams]
 
-    monkeypatch.setattr("meshmark.io.gltf_unpack.decode_streams", decoded)
+    monkeypatch.setattr("meshmark.io.gltf.unpack.decode_streams", decoded)
     name = data.draw(st.sampled_from(sorted(BUILDERS)))
     sample = BUILDERS[name]()
     for path in data.draw(st.lists(st.sampled_from(PATHS[name]), min_size=1, max_size=3)):

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from meshmark.io.document import Attributes
-from meshmark.io.gltf import parse_glb, parse_gltf
-from meshmark.io.gltf_new import convert_glb, convert_gltf
+from meshmark.document import Attributes
+from meshmark.io.gltf.convert import convert_glb, convert_gltf
+from meshmark.io.gltf.parse import parse_glb, parse_gltf
 from tests.counting import some
 from tests.io.gltf_samples import CUBE, CUBE_FACES, SAMPLES, UNIT
 

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from meshmark.errors import FormatError
-from meshmark.io.json_text import load_json, locate, replace
+from meshmark.io.gltf.json_text import load_json, locate, replace
 
 SCALARS = (
     st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False, allow_infinity=False) | st.text()

@@ -11,9 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from meshmark.errors import FormatError
-from meshmark.io.gltf_codecs import decode
-from meshmark.io.meshopt_index import decode_sequence, decode_triangles
-from meshmark.io.meshopt_vertex import decode_vertices
+from meshmark.io.gltf.codecs import decode
+from meshmark.io.gltf.meshopt_index import decode_sequence, decode_triangles
+from meshmark.io.gltf.meshopt_vertex import decode_vertices
 from tests.io.compressed_samples import STREAMS, bytes_of, meshopt_rows, meshopt_triangles
 
 

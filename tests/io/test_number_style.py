@@ -10,10 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from meshmark.errors import InputError
-from meshmark.io.number_print import format_numbers, round_numbers
-from meshmark.io.number_style import NumberStyle, detect_style, digits_needed
-from meshmark.io.text_positions import TextPositions, merge_edits, splice, text_positions
-from meshmark.io.text_tokens import tokenise
+from meshmark.io.text.number_printing import format_numbers, round_numbers
+from meshmark.io.text.number_style import NumberStyle, detect_style, digits_needed
+from meshmark.io.text.positions import TextPositions, merge_edits, splice, text_positions
+from meshmark.io.text.tokens import tokenise
 from tests.counting import some
 
 STYLES = {

@@ -9,7 +9,7 @@ import pytest
 
 from meshmark.errors import FormatError
 from meshmark.io import read_mesh, write_mesh
-from meshmark.io.obj import parse_obj
+from meshmark.io.obj.parse import parse_obj
 from tests.io.text_samples import SAMPLES
 
 POINTS = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from meshmark.errors import FormatError
-from meshmark.io.off import parse_off
+from meshmark.io.off.parse import parse_off
 from tests.io.text_samples import SAMPLES
 
 FACES = b"3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n"

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from meshmark.document import Document
 from meshmark.io import FORMATS
-from meshmark.io.document import Document
 from meshmark.io.formats import detect_format
 from tests.io.text_samples import SAMPLES, Sample
 

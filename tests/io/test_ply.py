@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from meshmark.errors import FormatError, InputError
-from meshmark.io.ply import parse_ply
+from meshmark.io.ply.parse import parse_ply
 from tests.io.binary_samples import FACES, POINTS, TYPES, binary_ply
 from tests.io.text_samples import SAMPLES
 

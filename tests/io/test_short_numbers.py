@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from meshmark.errors import FormatError
-from meshmark.io.short_numbers import read_short_floats, read_short_ints
-from meshmark.io.text_numbers import compact, line_number, parse_floats, parse_ints, span_mask
-from meshmark.io.text_tokens import tokenise
+from meshmark.io.text.numbers import compact, line_number, parse_floats, parse_ints, span_mask
+from meshmark.io.text.short_numbers import read_short_floats, read_short_ints
+from meshmark.io.text.tokens import tokenise
 from tests.counting import some
 
 decimals = st.from_regex(

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from meshmark.errors import FormatError, InputError
-from meshmark.io.stl import parse_stl
-from meshmark.io.stl_normals import facet_normals, stale_facets
+from meshmark.io.stl.normals import facet_normals, stale_facets
+from meshmark.io.stl.parse import parse_stl
 from tests.io.binary_samples import CORNERS, NORMALS, binary_stl
 from tests.io.text_samples import SAMPLES
 

@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from meshmark.errors import FormatError
-from meshmark.io import text_tokens
-from meshmark.io.text_tokens import key, token_blocks, tokenise
+from meshmark.io.text import tokens as text_tokens
+from meshmark.io.text.tokens import key, token_blocks, tokenise
 
 texts = st.text("ab#\\ \t\n\r", max_size=60)
 

@@ -14,8 +14,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from meshmark.errors import FormatError, InputError
-from meshmark.io.threemf import ThreeMfDocument, parse_3mf
-from meshmark.io.threemf_model import open_model
+from meshmark.io.threemf.model_part import open_model
+from meshmark.io.threemf.parse import ThreeMfDocument, parse_3mf
 from tests.counting import Share, some
 from tests.io.threemf_samples import MODELS, POINTS, RELS, mesh, model, package, simple
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from meshmark.errors import OutputError
-from meshmark.io.whole import write_whole
+from meshmark.io.atomic_write import write_whole
 
 
 def test_writes_replaces_and_follows_links(tmp_path: Path) -> None:

@@ -192,7 +192,7 @@ def test_what_has_no_surface_is_refused():
     ],
 )
 def test_the_reference_values(shared_data, pair, tolerance):
-    """All nine pairs: python -m benchmarks.metrics_validation."""
+    """All nine pairs: python -m claims.metrics_validation."""
     folder = shared_data / "msdm2"
     values = json.loads((folder / "values.json").read_text())[pair]
     a, b = (read_packed(folder / values[name]) for name in ("original", "degraded"))

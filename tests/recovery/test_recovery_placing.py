@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 from meshmark.errors import InputError
 from meshmark.geometry.frame import canonical_frame
 from meshmark.geometry.similarity import Similarity
-from meshmark.recovery.placing import place_miniature
+from meshmark.recovery.miniature_placement import place_miniature
 from meshmark.recovery.simplify import simplify
 from tests.geometry.registering import lump
 

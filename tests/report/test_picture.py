@@ -7,12 +7,12 @@ import pytest
 from PIL import Image
 
 from meshmark.errors import OutputError
+from meshmark.geometry.view import three_quarter_view
 from meshmark.mesh import Mesh
 from meshmark.report.colours import heat, oklch, region_colours, to_linear, to_srgb
 from meshmark.report.picture import Panel, panels, render
-from meshmark.report.saliency import saliency_picture
-from meshmark.report.segmentation import segmentation_picture
-from meshmark.report.view import three_quarter_view
+from meshmark.report.saliency_picture import saliency_picture
+from meshmark.report.segmentation_picture import segmentation_picture
 from meshmark.saliency import analyse
 from meshmark.segmentation import segment
 from tests.counting import some

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from meshmark.geometry.view import from_behind, three_quarter_view
 from meshmark.io import read_mesh
 from meshmark.mesh import Mesh
 from meshmark.report.tamper_map import write_tamper_map
-from meshmark.report.view import from_behind, three_quarter_view
-from meshmark.report.whereabouts import whereabouts
+from meshmark.segmentation.region_labels import whereabouts
 from tests.shapes import pebble
 
 

@@ -16,8 +16,8 @@ from meshmark.cli.references import check_references, load_reference
 
 if TYPE_CHECKING:
     from meshmark.io import Staging
+    from meshmark.marking import Authentication
     from meshmark.mesh import Mesh
-    from meshmark.schemes.ncdg_lv import Authentication
 
 __all__ = ["VERDICT_CODES", "authenticate"]
 
@@ -68,7 +68,7 @@ def authenticate(
     secret = Key.load(key)
     mesh = read_model(model, format, staging)
     reference = load_reference(certificate, original, staging)
-    from meshmark.schemes.ncdg_lv import authenticate as judge
+    from meshmark.marking import authenticate as judge
 
     with progress("checking the marks"), naming(named(model)):
         found = judge(mesh, secret, reference=reference)
@@ -98,7 +98,7 @@ def _write_map(mesh: Mesh, found: Authentication, path: Path, staging: Staging) 
 
 
 def _write_page(mesh: Mesh, found: Authentication, name: str, path: Path, staging: Staging) -> None:
-    from meshmark.report.authentication import write_authentication_page
+    from meshmark.report.authentication_page import write_authentication_page
 
     with progress("drawing"):
         write_authentication_page(mesh, found, name, path, staging)

@@ -6,7 +6,6 @@ from collections.abc import Callable
 
 from meshmark.cli.attack import attack
 from meshmark.cli.authenticate import authenticate
-from meshmark.cli.bench import bench
 from meshmark.cli.compare import compare
 from meshmark.cli.demo import demo
 from meshmark.cli.embed import embed
@@ -16,8 +15,9 @@ from meshmark.cli.keygen import keygen
 from meshmark.cli.recover import recover
 from meshmark.cli.saliency import saliency
 from meshmark.cli.segment import segment
-from meshmark.cli.train import train
 from meshmark.cli.unmark import unmark
+from meshmark.research.cli.bench import bench
+from meshmark.research.cli.train import train
 
 __all__ = ["COMMANDS"]
 

@@ -20,8 +20,8 @@ from meshmark.cli.progress import progress
 
 if TYPE_CHECKING:
     from meshmark.coding.keys import Key
+    from meshmark.marking import Embedding
     from meshmark.mesh import Mesh
-    from meshmark.schemes.ncdg_lv import Embedding
 
 __all__ = ["demo", "travelled"]
 
@@ -66,9 +66,9 @@ def _shown(model: Path | None, places: Places, force: bool) -> int:
     from meshmark.coding.keys import Key
     from meshmark.coding.message import format_id
     from meshmark.io import read_mesh, write_mesh
-    from meshmark.report.demo import demo_picture
-    from meshmark.schemes.ncdg_lv import extract
-    from meshmark.schemes.ncdg_lv.files import embed_file
+    from meshmark.marking import extract
+    from meshmark.marking.marked_file import embed_file
+    from meshmark.report.demo_picture import demo_picture
 
     work, named = places.work, places.named
     original = _original(model, work)

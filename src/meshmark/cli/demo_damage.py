@@ -12,9 +12,9 @@ from meshmark.cli.progress import progress
 
 if TYPE_CHECKING:
     from meshmark.coding.keys import Key
+    from meshmark.marking import Embedding
     from meshmark.mesh import FloatArray, Mesh
     from meshmark.report.picture import Panel
-    from meshmark.schemes.ncdg_lv import Embedding
 
 __all__ = ["Places", "bent", "damage"]
 
@@ -47,7 +47,7 @@ def damage(marked: Path, embedded: Embedding, key: Key, places: Places, done: Do
 
     from meshmark.attacks import ATTACKS
     from meshmark.io import read_mesh, write_mesh
-    from meshmark.report.demo import vertex_colours
+    from meshmark.report.demo_picture import vertex_colours
     from meshmark.report.picture import Panel
 
     mesh = read_mesh(marked)
@@ -63,7 +63,7 @@ def damage(marked: Path, embedded: Embedding, key: Key, places: Places, done: Do
 
 def _read_half(half: Mesh, embedded: Embedding, key: Key, places: Places, done: Done) -> None:
     from meshmark.coding.message import format_id
-    from meshmark.schemes.ncdg_lv import extract
+    from meshmark.marking import extract
 
     embedded.certificate.save(places.work / "demo.cert")
     with progress("looking for the mark"):
@@ -74,10 +74,10 @@ def _read_half(half: Mesh, embedded: Embedding, key: Key, places: Places, done: 
 
 def _edit(marked: Path, mesh: Mesh, key: Key, places: Places, done: Done) -> list[Panel]:
     from meshmark.io import read_mesh, write_mesh
-    from meshmark.report.authentication import altered_colours, write_authentication_page
-    from meshmark.report.demo import vertex_colours
+    from meshmark.marking import authenticate, recover
+    from meshmark.report.authentication_page import altered_colours, write_authentication_page
+    from meshmark.report.demo_picture import vertex_colours
     from meshmark.report.picture import Panel
-    from meshmark.schemes.ncdg_lv import authenticate, recover
 
     edited = marked.with_name(marked.name.replace("marked", "edited", 1))
     write_mesh(mesh.with_vertices(bent(mesh)), edited)
@@ -121,7 +121,7 @@ def bent(mesh: Mesh) -> FloatArray:
     """Return (n, 3): the vertices with the top of the model, as pictures show it, pushed smoothly aside."""
     import numpy as np
 
-    from meshmark.report.view import three_quarter_view
+    from meshmark.geometry.view import three_quarter_view
 
     view = three_quarter_view(mesh.vertices)
     diagonal = float(np.linalg.norm(np.ptp(mesh.vertices, axis=0)))

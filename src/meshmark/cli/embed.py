@@ -24,7 +24,7 @@ from meshmark.cli.paths import naming, staged, written_beside
 from meshmark.cli.progress import progress
 
 if TYPE_CHECKING:
-    from meshmark.schemes.ncdg_lv import Embedding
+    from meshmark.marking import Embedding
 
 __all__ = ["embed"]
 
@@ -100,7 +100,7 @@ def embed(
     number = None if identity is None else parse_id(identity)
     secret = Key.load(key)
     mesh = read_model(model, format, staging)
-    from meshmark.schemes.ncdg_lv.files import embed_file
+    from meshmark.marking.marked_file import embed_file
 
     wanted = None if layers is None else layers.value
     coarse = None if tolerance is None else tolerance.value

@@ -15,7 +15,7 @@ from meshmark.cli.progress import progress
 from meshmark.cli.references import check_references, load_reference
 
 if TYPE_CHECKING:
-    from meshmark.schemes.ncdg_lv import Extraction
+    from meshmark.marking import Extraction
 
 __all__ = ["EXIT_CODES", "extract"]
 
@@ -52,8 +52,8 @@ def extract(
     secret = Key.load(key)
     mesh = read_model(model, format)
     reference = load_reference(certificate, original)
-    from meshmark.schemes.ncdg_lv import extract as find
-    from meshmark.schemes.ncdg_lv.authentication.reported import with_marks
+    from meshmark.authentication.reported import with_marks
+    from meshmark.marking import extract as find
 
     with progress("looking for the mark"), naming(named(model)):
         found = find(mesh, secret, reference=reference, search=search.value, time_limit=time_limit)

@@ -45,7 +45,7 @@ def _fields(path: Path, format: ModelFormat | None) -> tuple[dict[str, Any], Key
         key = Key.load(path)
         return {"kind": "meshmark key file", "fingerprint": key.fingerprint}, key
     if path != STANDARD_INPUT and _is_certificate(path):
-        from meshmark.schemes.ncdg_lv import Certificate
+        from meshmark.marking import Certificate
 
         return Certificate.load(path).summary(), None
     mesh = read_model(path, format)

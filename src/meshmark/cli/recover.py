@@ -36,7 +36,7 @@ def recover(
     secret = Key.load(key)
     mesh = read_model(model, format, staging)
     reference = load_reference(certificate)
-    from meshmark.schemes.ncdg_lv import recover as bring_back
+    from meshmark.marking import recover as bring_back
 
     with progress("recovering"), naming(named(model)):
         found = bring_back(mesh, secret, reference=reference)

@@ -10,8 +10,8 @@ from meshmark.errors import InputError
 
 if TYPE_CHECKING:
     from meshmark.io import Staging
+    from meshmark.marking import Certificate
     from meshmark.mesh import Mesh
-    from meshmark.schemes.ncdg_lv import Certificate
 
 __all__ = ["check_references", "load_reference"]
 
@@ -31,7 +31,7 @@ def load_reference(
     """
 
     if certificate is not None:
-        from meshmark.schemes.ncdg_lv import Certificate
+        from meshmark.marking import Certificate
 
         return Certificate.load(certificate)
     return None if original is None else read_model(original, None, staging)

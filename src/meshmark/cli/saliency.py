@@ -29,7 +29,7 @@ def saliency(
     with progress("looking at the surface"), naming(named(model)):
         result = analyse(mesh)
     if picture is not None:
-        from meshmark.report.saliency import saliency_picture
+        from meshmark.report.saliency_picture import saliency_picture
 
         with staging:
             saliency_picture(mesh, result, picture, staging=staging)

@@ -29,7 +29,7 @@ def segment(
     with progress("drawing the map"), naming(named(model)):
         result = part(mesh)
     if picture is not None:
-        from meshmark.report.segmentation import segmentation_picture
+        from meshmark.report.segmentation_picture import segmentation_picture
 
         with staging:
             segmentation_picture(mesh, result, picture, staging=staging)

@@ -43,8 +43,8 @@ def unmark(
     check_extension(out, model)
     secret = Key.load(key)
     mesh = read_model(model, format, staging)
-    from meshmark.schemes.ncdg_lv import Certificate
-    from meshmark.schemes.ncdg_lv import unmark as take_off
+    from meshmark.marking import Certificate
+    from meshmark.marking import unmark as take_off
 
     kept = Certificate.load(certificate)
     with progress("taking the mark off"), naming(named(model)), staging:
@@ -77,7 +77,7 @@ def _up(value: float) -> str:
 
 def _told(path: Path, mesh: Mesh, key: Key, near: str) -> str:
     """Say what a model is that is not quite the marked one; raises `InputError` where no mark is there."""
-    from meshmark.schemes.ncdg_lv.authentication.examination import examine
+    from meshmark.authentication.examination import examine
 
     found = examine(mesh, key)
     if found.id is None:

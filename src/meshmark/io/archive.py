@@ -7,7 +7,7 @@ from pathlib import Path, PurePosixPath
 
 from meshmark.errors import InputError
 from meshmark.io.formats import FORMATS
-from meshmark.io.threemf_package import is_3mf
+from meshmark.io.threemf.package import is_3mf
 from meshmark.io.wording import amount
 from meshmark.io.zip_package import Package, open_package
 

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from scipy.spatial import cKDTree
 
-from meshmark.io.document import Attributes, Document
+from meshmark.document import Attributes, Document
 from meshmark.io.formats import FORMATS, Converted
-from meshmark.io.gltf import GltfDocument
-from meshmark.io.gltf_remesh import can_remesh, remeshed
+from meshmark.io.gltf.parse import GltfDocument
+from meshmark.io.gltf.remesh import can_remesh, remeshed
 from meshmark.io.source import SourceFile
 from meshmark.mesh import FloatArray, IntArray, Mesh
 

@@ -7,16 +7,16 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from meshmark.document import Attributes, Document
 from meshmark.errors import InputError
-from meshmark.io.document import Attributes, Document
-from meshmark.io.obj import parse_obj
-from meshmark.io.obj_new import convert_obj
-from meshmark.io.off import parse_off
-from meshmark.io.off_new import convert_off
-from meshmark.io.ply import parse_ply
-from meshmark.io.ply_new import convert_ply
-from meshmark.io.stl import parse_stl
-from meshmark.io.stl_new import convert_stl
+from meshmark.io.obj.convert import convert_obj
+from meshmark.io.obj.parse import parse_obj
+from meshmark.io.off.convert import convert_off
+from meshmark.io.off.parse import parse_off
+from meshmark.io.ply.convert import convert_ply
+from meshmark.io.ply.parse import parse_ply
+from meshmark.io.stl.convert import convert_stl
+from meshmark.io.stl.parse import parse_stl
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["FORMATS", "OTHER_NAMES", "Format", "check_extension", "detect_format", "format_of_name"]
@@ -73,37 +73,37 @@ def _looks_like_stl(head: bytes, size: int) -> bool:
 
 # XML, archives and web addresses are slow to import: these modules wait until their format is used.
 def _parse_glb(data: bytes, path: Path) -> Document:
-    from meshmark.io.gltf import parse_glb
+    from meshmark.io.gltf.parse import parse_glb
 
     return parse_glb(data, path)
 
 
 def _convert_glb(vertices: FloatArray, faces: IntArray, attributes: Attributes, name: str) -> Converted:
-    from meshmark.io.gltf_new import convert_glb
+    from meshmark.io.gltf.convert import convert_glb
 
     return convert_glb(vertices, faces, attributes, name)
 
 
 def _parse_gltf(data: bytes, path: Path) -> Document:
-    from meshmark.io.gltf import parse_gltf
+    from meshmark.io.gltf.parse import parse_gltf
 
     return parse_gltf(data, path)
 
 
 def _convert_gltf(vertices: FloatArray, faces: IntArray, attributes: Attributes, name: str) -> Converted:
-    from meshmark.io.gltf_new import convert_gltf
+    from meshmark.io.gltf.convert import convert_gltf
 
     return convert_gltf(vertices, faces, attributes, name)
 
 
 def _parse_3mf(data: bytes, path: Path) -> Document:
-    from meshmark.io.threemf import parse_3mf
+    from meshmark.io.threemf.parse import parse_3mf
 
     return parse_3mf(data, path)
 
 
 def _convert_3mf(vertices: FloatArray, faces: IntArray, attributes: Attributes, name: str) -> Converted:
-    from meshmark.io.threemf_new import convert_3mf
+    from meshmark.io.threemf.convert import convert_3mf
 
     return convert_3mf(vertices, faces, attributes, name)
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from meshmark.document import Attributes
 from meshmark.errors import FormatError
-from meshmark.io.document import Attributes
 from meshmark.io.wording import amount
 from meshmark.mesh import IntArray
 

@@ -10,8 +10,8 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from meshmark.document import Attributes
 from meshmark.errors import FormatError
-from meshmark.io.document import Attributes
 from meshmark.io.gaps import Gaps
 from meshmark.io.polygons import check_indices
 from meshmark.mesh import FloatArray, IntArray
@@ -42,7 +42,7 @@ class Positions(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class PatchDocument:
-    """A one-file document; see `meshmark.io.document.Document`.
+    """A one-file document; see `meshmark.document.Document`.
 
     load_attributes: reads the attributes when a conversion asks for them.
     """

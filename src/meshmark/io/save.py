@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
+from meshmark.document import Attributes
 from meshmark.errors import InputError, MeshmarkError, OutputError
-from meshmark.io.document import Attributes
 from meshmark.io.formats import FORMATS, Format, check_extension, format_of_name
 from meshmark.io.source import SourceFile, gzipped
 from meshmark.io.staging import Staging

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
+from meshmark.document import Attributes, Document
 from meshmark.errors import FormatError, InputError
-from meshmark.io.document import Attributes, Document
 from meshmark.io.formats import FORMATS, Format, detect_format
 from meshmark.io.wording import amount
 from meshmark.mesh import FloatArray, IntArray, Mesh
@@ -116,7 +116,7 @@ class SourceFile:
         """Return the files that `patched` gave, the model being `name`, compressed where it was by `names`."""
         if not names:
             return dict(files)
-        from meshmark.io.gltf_repack import repacked
+        from meshmark.io.gltf.repack import repacked
 
         packed = files[name].startswith(_GZIP_MAGIC)
         plain = {**files, name: _unpacked(files[name])[0]} if packed else files
@@ -128,7 +128,7 @@ class SourceFile:
         names = self.document.summary().get("compression", ())
         if not names:
             raise InputError(f"{self.path.name} is not compressed, expected no --recompress")
-        from meshmark.io.gltf_repack import check_encoders
+        from meshmark.io.gltf.repack import check_encoders
 
         check_encoders(names)
 

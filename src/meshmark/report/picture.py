@@ -11,13 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
+from meshmark.geometry.view import three_quarter_view
+from meshmark.io.atomic_write import write_whole
 from meshmark.io.staging import Staging
-from meshmark.io.whole import write_whole
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.report.colours import heat, to_srgb
 from meshmark.report.raster import rasterise
 from meshmark.report.shade import Seen, light, see
-from meshmark.report.view import three_quarter_view
 
 __all__ = ["Panel", "on_screen", "panels", "render"]
 

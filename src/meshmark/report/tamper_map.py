@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from meshmark.io.atomic_write import write_whole
 from meshmark.io.staging import Staging
-from meshmark.io.whole import write_whole
 from meshmark.mesh import Mesh
 
 __all__ = ["ALTERED", "INTACT", "write_tamper_map"]

@@ -1,1 +1,0 @@
-"""Commands that measure what the documentation claims: `python -m benchmarks.NAME`."""

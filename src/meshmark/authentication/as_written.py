@@ -1,0 +1,157 @@
+"""What an id alone can say about alteration: its certificate keeps what the file was like when it was written.
+
+Without the authentication layer no mark breaks where a model is changed. Its certificate keeps a keyed digest of
+the positions and faces, which proves that nothing was changed, and how well the lattice of the id locked, which
+proves a change where it locks worse now than rounding can explain. How much rounding explains is measured on the
+suspect: it is rounded at random a few times, as coarsely as any tolerance allows. Where neither is proven, nothing
+is said.
+"""
+
+from __future__ import annotations
+
+import hmac
+from dataclasses import dataclass, replace
+from enum import Enum
+from hashlib import blake2b
+from math import sqrt
+
+import numpy as np
+from scipy.special import stdtrit
+
+from meshmark.authentication.marks.precision import precision_of
+from meshmark.certificate.certificate import Certificate
+from meshmark.coding.codec import Codec
+from meshmark.coding.keyed import keyed_words
+from meshmark.coding.keys import Key
+from meshmark.geometry.frame import Frame, canonical_frame, frame_alternatives
+from meshmark.geometry.sampling import plan_samples
+from meshmark.geometry.weld import Welded, weld
+from meshmark.mesh import FloatArray, IntArray, Mesh
+from meshmark.ownership.carriers.lattice import Lattice
+from meshmark.ownership.carriers.nodes import find_nodes
+from meshmark.ownership.carriers.pose import Pose
+from meshmark.ownership.carriers.quantisation import bit_phase
+from meshmark.ownership.parameters import LONGEST_SAMPLE, SURELY_SKEW
+from meshmark.ownership.search.reading import read_cells
+
+__all__ = ["FIELD", "ROUNDINGS", "WRONG_LOG10", "Since", "since_written", "with_written"]
+
+FIELD = "written"
+"""Name of the certificate's field."""
+WRONG_LOG10 = -6.0
+"""A model that was only rounded is called changed with a probability below 10 to this."""
+ROUNDINGS = 16
+"""So many random roundings of a suspect tell how its lock varies."""
+_PURPOSE = "positions as written"
+_BYTES = 16
+
+
+class Since(Enum):
+    """What is known of a model since it was written."""
+
+    SAME = "same"
+    CHANGED = "changed"
+    UNKNOWN = "unknown"
+
+
+def with_written(certificate: Certificate, marked: Mesh, key: Key) -> Certificate:
+    """Return the certificate of an id-only model with what `since_written` needs of the marked mesh."""
+    lock = _Reader(weld(marked), key, certificate).best()
+    value = {"positions": _digest(marked, key), "lock": lock.score, "carriers": len(lock.phase)}
+    return replace(certificate, more={**certificate.more, FIELD: value})
+
+
+def since_written(certificate: Certificate, mesh: Mesh, key: Key) -> Since:
+    """Return what the certificate of an id-only model, bound to `key`, tells of a suspect.
+
+    SAME: positions and faces are those that were written, to the last bit; CHANGED: the lock dropped by more than
+    rounding explains, an error of this answer being less likely than 10^`WRONG_LOG10`.
+    """
+    value = certificate.more.get(FIELD)
+    if not isinstance(value, dict):
+        return Since.UNKNOWN
+    positions, lock, carriers = (value.get(name) for name in ("positions", "lock", "carriers"))
+    if not (isinstance(positions, str) and isinstance(lock, float) and isinstance(carriers, int)):
+        return Since.UNKNOWN
+    if hmac.compare_digest(positions.encode(), _digest(mesh, key).encode()):
+        return Since.SAME
+    dropped = carriers > 0 and _dropped(mesh, key, certificate, lock / carriers, carriers)
+    return Since.CHANGED if dropped else Since.UNKNOWN
+
+
+def _dropped(mesh: Mesh, key: Key, certificate: Certificate, written: float, carriers: int) -> bool:
+    """Return whether the lock fell from `written` (mean over `carriers` cells) by more than rounding explains.
+
+    Rounding turns the phases of the cells by random angles, so that a share (mean cos of twice the angle) of the
+    lock is kept on average; around that the lock of one rounding varies as those of the others do. The limit is
+    that of Student's prediction interval for one more observation, the deviation being one cell or more.
+    """
+    surface = weld(mesh)
+    reader = _Reader(surface, key, certificate)
+    now = reader.best()
+    random = np.random.default_rng(keyed_words(key.subkey("roundings of a suspect"), 4))
+    error = precision_of(mesh, "tolerant")
+    kept, locks = [], []
+    for _ in range(ROUNDINGS):
+        rounded = reader.like(now, surface.points + random.uniform(-error, error, surface.points.shape))
+        kept.append(now.agreement(rounded))
+        locks.append(rounded.score / carriers)
+    deviation = max(float(np.std(locks, ddof=1)), 1.0 / carriers)
+    limit = float(-stdtrit(ROUNDINGS - 1, 10.0**WRONG_LOG10)) * sqrt(1.0 + 1.0 / ROUNDINGS)
+    return written * float(np.mean(kept)) - now.score / carriers > limit * deviation
+
+
+@dataclass(frozen=True, eq=False)
+class _Lock:
+    """frame: that the lattice was read in; nodes: (n, 3) cells; phase: (n,) radians."""
+
+    frame: Frame
+    nodes: IntArray
+    phase: FloatArray
+
+    @property
+    def score(self) -> float:
+        return float(np.cos(2.0 * self.phase).sum())
+
+    def agreement(self, other: _Lock) -> float:
+        """Return the mean cos of twice the angle between the phases of the two; a cell that is gone counts 0."""
+        row = find_nodes(other.nodes, self.nodes)
+        turned = self.phase[row >= 0] - other.phase[row[row >= 0]]
+        return float(np.cos(2.0 * turned).sum()) / len(row) if len(row) else 1.0
+
+
+class _Reader:
+    """Reads the lattice that a certificate names as a surface stands, without any search but the frame's signs."""
+
+    def __init__(self, surface: Welded, key: Key, certificate: Certificate) -> None:
+        self._surface, self._step = surface, certificate.step
+        self._lattice = Lattice.keyed(key, certificate.spacing)
+        self._code_length = Codec(key).n
+        self._frame = canonical_frame(surface.points, surface.faces)
+        canonical = self._frame.to_canonical(surface.points)
+        self._sampler = plan_samples(canonical, surface.faces, LONGEST_SAMPLE * certificate.spacing)
+
+    def best(self) -> _Lock:
+        """Return the lock of the surface itself in the frame where it is highest."""
+        frames = frame_alternatives(self._frame, surely_skew=SURELY_SKEW)
+        return max((self._in(self._surface.points, frame) for frame in frames), key=lambda lock: lock.score)
+
+    def like(self, lock: _Lock, points: FloatArray) -> _Lock:
+        """Return the lock of the surface with these points, in the frame most like that of another lock."""
+        frame = canonical_frame(points, self._surface.faces)
+        frames = frame_alternatives(frame, surely_skew=SURELY_SKEW)
+        nearest = max(frames, key=lambda each: float(np.einsum("ij,ij->", each.axes, lock.frame.axes)))
+        return self._in(points, nearest)
+
+    def _in(self, points: FloatArray, frame: Frame) -> _Lock:
+        samples = self._sampler(frame.to_canonical(points))
+        cells = read_cells(samples, self._lattice, Pose.turned(np.eye(3)))
+        keys = self._lattice.keys(cells.nodes, self._code_length)
+        return _Lock(frame, cells.nodes, bit_phase(cells.offset, keys.dither, self._step))
+
+
+def _digest(mesh: Mesh, key: Key) -> str:
+    digest = blake2b(digest_size=_BYTES, key=key.subkey(_PURPOSE))
+    for array, kind in ((mesh.faces, "<i8"), (mesh.vertices + 0.0, "<f8")):  # -0 is 0
+        digest.update(len(array).to_bytes(8, "little") + np.ascontiguousarray(array, kind).tobytes())
+    return digest.hexdigest()

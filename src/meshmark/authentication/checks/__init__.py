@@ -1,0 +1,1 @@
+"""Checks of the marks of a suspect, and the points that were altered."""

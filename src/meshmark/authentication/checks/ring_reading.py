@@ -1,0 +1,100 @@
+"""Reading candidates: which of them are marks, and how likely that is by chance."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import log, log10
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshmark.authentication.marks.candidates import HEADER, PAYLOAD, Candidates
+from meshmark.authentication.marks.symbols import header_symbols
+from meshmark.authentication.marks.words import bind, symbols_at
+from meshmark.authentication.parameters import LAYOUTS, LEVELS, Layout
+from meshmark.authentication.payload.payload import SymbolSource
+from meshmark.coding.keys import Key
+from meshmark.mesh import FloatArray, IntArray
+
+__all__ = ["Read", "chance_of", "read_marks", "window_of"]
+
+# A mark may be this many steps from its whole place, and so many times the median of all.
+_WINDOW, _WINDOWS = 0.12, 8.0
+# Odd numbers that make three whole places into one.
+_MIX = np.array([0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9, 0x94D049BB133111EB], np.uint64)
+
+
+@dataclass(frozen=True, eq=False)
+class Read:
+    """What candidates say: symbols (c,), whether a mark holds, how far it is off, and whether its ring was torn."""
+
+    symbol: IntArray
+    holds: NDArray[np.bool_]
+    off: FloatArray
+    torn: NDArray[np.bool_]
+
+
+def read_marks(
+    found: Candidates, key: Key, layout: Layout, nonce: int | None, payload: SymbolSource | None = None
+) -> Read:
+    """Return which candidates are marks; those of headers alone where the nonce (the model's id) is unknown.
+
+    Marks lie as near to whole places as the file's precision lets them; how near that is, the marks tell. What lies
+    farther off holds by chance, or was moved by less than a step. A mark beside a boundary that would hold if there
+    were none is a mark beside a hole that was made.
+    payload: where its symbols are known, a mark that says another one does not hold.
+    """
+    off = np.abs(found.place - found.whole).max(axis=1)
+    symbol = np.zeros(len(off), np.int64)
+    holds, torn = np.zeros(len(off), bool), np.zeros(len(off), bool)
+    last, window = -1.0, _WINDOW
+    while window > last:  # a narrow window first: few files need more
+        rows = np.flatnonzero((off > last) & (off <= window))
+        symbol[rows], holds[rows], torn[rows] = _read(found.take(rows), key, layout, nonce, payload)
+        last = window
+        window = window_of(off[holds])
+    holds &= off <= window
+    return Read(symbol, holds, off, torn & holds)
+
+
+def window_of(off: FloatArray) -> float:
+    """Return how far off its whole place, in steps, a mark may be where those that hold are `off` (k,)."""
+    return _WINDOW + _WINDOWS * float(np.median(off)) if len(off) else 1.0
+
+
+def _read(
+    found: Candidates, key: Key, layout: Layout, nonce: int | None, payload: SymbolSource | None
+) -> tuple[IntArray, NDArray[np.bool_], NDArray[np.bool_]]:
+    """Return the symbols (c,) of the whole places, whether they hold, and whether only without a boundary."""
+    whole = found.whole
+    bound = bind(found, key, nonce)
+    symbol, holds = symbols_at(whole, found.rim, bound, layout)
+    torn = np.zeros(len(whole), bool)
+    rows = np.flatnonzero((found.rim != 0) & ~holds)
+    torn[rows] = symbols_at(whole[rows], np.zeros(len(rows), np.int64), bound[rows], layout)[1]
+    holds |= torn
+    if nonce is not None:
+        header = found.kind == HEADER
+        holds[header] &= symbol[header] == header_symbols(found.index[header], nonce, layout.symbol)
+    if payload is not None:
+        rows = np.flatnonzero(holds & (found.kind == PAYLOAD))
+        holds[rows] = symbol[rows] == payload(found.index[rows])
+    return symbol, holds, torn
+
+
+def chance_of(found: Candidates, holds: NDArray[np.bool_], layout: Layout) -> float:
+    """Bound the chance that so many marks hold by luck, times all layouts and levels (Chernoff).
+
+    Points that lie alike in rings that are alike count once: their marks hold or fail together. How many are tried
+    depends on what holds, so all numbers of tries count.
+    """
+    cells = found.whole.view(np.uint64) @ _MIX
+    tries = found.words[:, 0] ^ cells
+    total, held = len(np.unique(tries)), len(np.unique(tries[holds]))
+    luck = 2.0**-layout.check
+    share = held / max(total, 1)
+    if share <= luck:
+        return 0.0
+    rest = 0.0 if share >= 1.0 else (1.0 - share) * log((1.0 - share) / (1.0 - luck))
+    nats = total * (share * log(share / luck) + rest)
+    return min(0.0, log10(len(LAYOUTS) * len(LEVELS) * total) - nats / log(10.0))

@@ -1,0 +1,69 @@
+"""Whether marks fail because the whole model was rounded, and what was changed beyond that."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import KDTree
+from scipy.stats import binom
+
+from meshmark.authentication.checks.coarse_digits import coarse_digits
+from meshmark.authentication.examination import Examination
+from meshmark.authentication.parameters import UNIT
+from meshmark.mesh import FloatArray, Mesh
+
+__all__ = ["Rounded", "rounded_everywhere"]
+
+# Groups of so many neighbouring points are looked at; that so many of one fail is this unlikely among all groups. A
+# mark that is lost leaves about so many points without one.
+_GROUPS, _CHANCE, _TOGETHER = (32, 64, 128), 1e-3, 4
+# Where more of the points fail, what else was changed cannot be told.
+_MOST = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class Rounded:
+    """called: what the model was rounded to. beyond: (n,) vertices that were changed beyond that.
+
+    clear: enough marks hold to tell whether more was changed than lies off the grid.
+    """
+
+    called: str
+    beyond: NDArray[np.bool_]
+    clear: bool
+
+
+def rounded_everywhere(mesh: Mesh, found: Examination) -> Rounded | None:
+    """Return the rounding of the coordinates that explains why marks fail; None where none does.
+
+    It does where it is coarser than what the marks were made for. An edit is no less told by this: it lies off the
+    grid, or far more fails around it than elsewhere.
+    """
+    if not found.marked or found.checks.torn.any() or found.points_missing:
+        return None
+    coarse = coarse_digits(mesh.vertices)
+    if coarse is None or coarse.half <= found.checks.step / UNIT:
+        return None
+    of_vertex = found.surface.point_of_vertex
+    off = np.zeros(len(found.surface.points), bool)
+    off[of_vertex[coarse.off]] = True
+    rows = np.flatnonzero(found.checks.eligible & ~off)
+    failing = ~found.checks.verified[rows]
+    clear = len(rows) >= 2 * max(_GROUPS) and float(failing.mean()) <= _MOST
+    if clear:
+        off[rows[_crowded(found.surface.points[rows], failing)]] = True
+    return Rounded(coarse.called, (off & found.altered)[of_vertex], clear)
+
+
+def _crowded(points: FloatArray, failing: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return (r,): which of `points` (r, 3) lie in a group of which far more are `failing` (r,) than of all."""
+    tree, share = KDTree(points), float(failing.mean())
+    crowded = np.zeros(len(points), bool)
+    for size in _GROUPS:
+        near = np.asarray(tree.query(points, k=size)[1])
+        count = failing[near].sum(axis=1) // _TOGETHER
+        many = binom.sf(count - 1, size // _TOGETHER, share) < _CHANCE / len(points)
+        crowded[near[many].ravel()] = True
+    return crowded

@@ -1,0 +1,182 @@
+"""Search for the step and the layout of the marks, which a suspect does not tell: all are tried on a sample."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from meshmark.authentication.checks.ring_reading import chance_of, window_of
+from meshmark.authentication.marks.candidates import (
+    HEADER,
+    Candidates,
+    candidates,
+    joined,
+    level_of,
+)
+from meshmark.authentication.marks.ring_shapes import RingShapes
+from meshmark.authentication.marks.rings import Rings
+from meshmark.authentication.marks.words import PURPOSE, bind, symbols_at
+from meshmark.authentication.parameters import FAR_AWAY, LAYOUTS, LEVELS, UNIT, Layout
+from meshmark.coding.keys import Key
+from meshmark.mesh import FloatArray
+
+__all__ = ["Setting", "all_candidates", "likeliest_setting", "plain_candidates"]
+
+# Points that are tried with every step; more where only one mark in eleven can be read, without the model's id.
+_SAMPLE, _SAMPLE_BLIND = 600, 2500
+# A ring this near (in levels) to where the level changes, or may change, is tried on both sides.
+_LEVEL_DOUBT = 0.05
+# Steps that are tried first: from a little below the finest that models get to eight times that, in levels. What
+# they tell is taken where so many marks hold by chance less often than this, and are that sure of the step.
+_LIKELY = range(-6, 2)
+_CLEAR_LOG10, _CLEAR = -6.0, 0.25
+# Of the marks that hold under one step so many may do so by luck.
+_BY_LUCK = 3
+_SAME, _NEXT = 1e-9, 0.25
+
+
+@dataclass(frozen=True)
+class Setting:
+    """How marks were made, as a sample tells.
+
+    unit: the smallest step over the spread, in scene units; doubt: how far off it may be, in levels.
+    layout: of the words; count: marks of the sample. log10_chance: bound on that of so many by luck.
+    """
+
+    unit: float
+    doubt: float
+    layout: Layout
+    count: int
+    log10_chance: float
+
+    @property
+    def doubts(self) -> float:
+        """Return by how much (levels) a ring's level may be off altogether."""
+        return self.doubt + _LEVEL_DOUBT
+
+
+def likeliest_setting(
+    points: FloatArray, rings: list[Rings], shapes: list[RingShapes], key: Key, nonce: int | None
+) -> Setting | None:
+    """Return the step and layout under which most marks of a sample hold.
+
+    Steps that suit the surface's size are tried first, all others where they are not clearly right.
+    """
+    total = sum(len(group.vertex) for group in rings)
+    every = max(total // (_SAMPLE_BLIND if nonce is None else _SAMPLE), 1)
+    sample = [
+        (group.take(rows), shape.take(rows))
+        for group, shape in zip(rings, shapes, strict=True)
+        for rows in [np.arange(0, len(group.vertex), every)]
+    ]
+    if not sample:
+        return None
+    middles = np.concatenate([points[group.vertex] for group, _ in sample])
+    finest = UNIT * FAR_AWAY * float(np.linalg.norm(np.ptp(middles, axis=0)))
+    if not finest > 0.0:  # a single ring
+        return None
+    likely = [np.floor(level_of(shape, finest))[:, None] + np.array(_LIKELY) for _, shape in sample]
+    best = _best(points, sample, likely, key, nonce)
+    if (
+        best is not None
+        and best.log10_chance <= _CLEAR_LOG10
+        and best.doubt <= _CLEAR
+        and _inside(best, finest)
+    ):
+        return best
+    every_level = [np.tile(np.array(LEVELS), (len(group.vertex), 1)) for group, _ in sample]
+    return _best(points, sample, every_level, key, nonce)
+
+
+def _inside(best: Setting, finest: float) -> bool:
+    """Return whether all rings were tried with the levels of this setting: past the last ones marks are missed."""
+    least = 2.0 * float(np.log2(best.unit / finest))
+    return 1 - _LIKELY.stop <= least - best.doubt and least + best.doubt <= -_LIKELY.start
+
+
+def _best(
+    points: FloatArray,
+    sample: list[tuple[Rings, RingShapes]],
+    levels: list[FloatArray],
+    key: Key,
+    nonce: int | None,
+) -> Setting | None:
+    """Return the likeliest setting of rings that are each tried with `levels` (r, k)."""
+    subkey = key.subkey(PURPOSE)
+    parts = []
+    for (group, shape), level in zip(sample, levels, strict=True):
+        row, column = np.nonzero((level >= LEVELS[0]) & (level <= LEVELS[-1]))
+        tried = level[row, column].astype(np.int64)
+        shaped = shape.take(row)
+        ways = candidates(points, group.take(row), shaped, tried, subkey, all_ways=False)
+        parts.append((level_of(shaped, 1.0) - tried, ways))
+    size = np.concatenate([part[0] for part in parts])
+    found = joined([part[1] for part in parts])
+    if nonce is None:
+        size, found = size[found.kind == HEADER], found.take(found.kind == HEADER)
+    bound = bind(found, key, nonce)
+    order = np.argsort(size)
+    off = np.abs(found.place - found.whole).max(axis=1)
+    best: Setting | None = None
+    for layout in LAYOUTS.values():
+        _, holds = symbols_at(found.whole, found.rim, bound, layout)
+        held = order[holds[order]]
+        inside = held[slice(*_densest(size[held])[:2])]
+        held = held[off[held] <= window_of(off[inside])]
+        first, last, least, most = _densest(size[held])
+        if last - first > (best.count if best is not None else 0):
+            middle, doubt = (least + most) / 2.0, (most - least) / 2.0
+            within = (size >= middle) & (size <= middle + 1.0)
+            chance = chance_of(found.take(within), holds[within], layout)
+            best = Setting(2.0 ** (middle / 2.0), doubt, layout, last - first, chance)
+    return best
+
+
+def _densest(values: FloatArray) -> tuple[int, int, float, float]:
+    """Return which of the sorted values, first and last + 1, lie in the interval of length 1 that holds most.
+
+    And the least and the most where an interval may start that holds all but the few that may be there by luck.
+    """
+    if not len(values):
+        return 0, 0, 0.0, 0.0
+    counts = np.searchsorted(values, values + 1.0, side="right") - np.arange(len(values))
+    best = int(counts.argmax())
+    starts = np.concatenate([values, values - 1.0])
+    lowest = values[best + counts[best] - 1] - 1.0  # from here to the first one the same are held
+    starts = starts[(starts >= lowest - _NEXT) & (starts <= values[best] + _NEXT)]
+    held = np.searchsorted(values, starts + 1.0 + _SAME, side="right")
+    held -= np.searchsorted(values, starts - _SAME)
+    good = starts[held >= counts[best] - _BY_LUCK]
+    return best, best + int(counts[best]), float(good.min()), float(good.max())
+
+
+def plain_candidates(
+    points: FloatArray, rings: Rings, shapes: RingShapes, setting: Setting, subkey: bytes
+) -> Candidates:
+    """Return the one candidate of each ring that a file of full precision has."""
+    level = np.floor(level_of(shapes, setting.unit)).astype(np.int64)
+    rows = np.flatnonzero((level >= LEVELS[0]) & (level <= LEVELS[-1]))
+    return candidates(points, rings.take(rows), shapes.take(rows), level[rows], subkey, all_ways=False)
+
+
+def all_candidates(
+    points: FloatArray, rings: Rings, shapes: RingShapes, setting: Setting, subkey: bytes
+) -> Candidates:
+    """Return every candidate of rings for marks of this setting, on both levels near where it changes."""
+    exact = level_of(shapes, setting.unit)
+    doubt = setting.doubts
+    level = np.floor(exact).astype(np.int64)
+    parts = []
+    for change, doubtful in (
+        (0, np.ones(len(exact), bool)),
+        (-1, exact - level < doubt),
+        (1, exact - level > 1.0 - doubt),
+    ):
+        rows = np.flatnonzero(doubtful & (level + change >= LEVELS[0]) & (level + change <= LEVELS[-1]))
+        parts.append(
+            candidates(
+                points, rings.take(rows), shapes.take(rows), level[rows] + change, subkey, all_ways=True
+            )
+        )
+    return joined(parts)

@@ -1,0 +1,132 @@
+"""The sweep over all rings: the plain reading of each, then every other one where no mark vouches for a point."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshmark.authentication.checks.ring_reading import Read, read_marks
+from meshmark.authentication.checks.setting_search import Setting, all_candidates, plain_candidates
+from meshmark.authentication.marks.candidates import (
+    HEADER,
+    Candidates,
+    beside,
+    eligible,
+    joined,
+    level_of,
+)
+from meshmark.authentication.marks.ring_shapes import RingShapes
+from meshmark.authentication.marks.rings import Rings
+from meshmark.authentication.marks.symbols import read_header
+from meshmark.authentication.marks.words import PURPOSE
+from meshmark.authentication.payload.payload import SymbolSource
+from meshmark.coding.keys import Key
+from meshmark.mesh import FloatArray
+
+__all__ = ["Sweep", "sweep", "vouched"]
+
+# A point counts as covered only where its ring could have had a mark by this much.
+_MARGIN = 1.1
+# Where marks are so far off their whole places at the median, in steps, the file was rounded to few digits. Then
+# the next whole places are tried, too, of marks that are at least this far off.
+_ROUNDED, _NEAR = 0.03, 0.15
+_Parts = list[tuple[Rings, RingShapes]]
+
+
+@dataclass(frozen=True, eq=False)
+class Sweep:
+    """found: (c,) the candidates tried; read: what they say; nonce: the model's id, as given or as they tell.
+
+    able: (p,) points whose ring could carry a mark. rounded: the file was rounded to few digits.
+    """
+
+    found: Candidates
+    read: Read
+    nonce: int
+    able: NDArray[np.bool_]
+    rounded: bool
+
+
+def sweep(
+    points: FloatArray,
+    parts: _Parts,
+    setting: Setting,
+    key: Key,
+    nonce: int | None,
+    payload: SymbolSource | None = None,
+) -> Sweep | None:
+    """Return what the rings of points (p, 3) say, None where no model's id is given or told.
+
+    A mark's plain reading may be off where a length was rounded across a boundary: then its ring has no voucher.
+    So all ways are tried for points without a voucher and for those next to them, which are few in an intact model.
+    In a file of few digits their next whole places are tried as well. payload: see `read_marks`.
+    """
+    able = np.zeros(len(points), bool)
+    for group, shape in parts:
+        able[group.vertex] = _able(shape, setting)
+    subkey = key.subkey(PURPOSE)
+    found = joined([plain_candidates(points, *part, setting, subkey) for part in parts])
+    held = np.zeros(len(points), bool)
+    told = _told(found, key, setting) if nonce is None else nonce
+    if told is not None:
+        read = read_marks(found, key, setting.layout, told, payload)
+        held[found.vertex[read.holds & ~read.torn]] = True
+    again = _around(parts, able & ~vouched(parts, held))
+    if told is None or again.any():
+        rest = [
+            all_candidates(points, group.take(rows), shape.take(rows), setting, subkey)
+            for group, shape in parts
+            for rows in [np.flatnonzero(again[group.vertex])]
+        ]
+        found = joined([found.take(~again[found.vertex]), *rest])
+        told = _told(found, key, setting) if nonce is None else nonce
+        if told is None:
+            return None
+        read = read_marks(found, key, setting.layout, told, payload)
+    rounded = bool(read.holds.any() and np.median(read.off[read.holds]) > _ROUNDED)
+    if rounded:
+        held[:] = False
+        held[found.vertex[read.holds & ~read.torn]] = True
+        again = _around(parts, able & ~vouched(parts, held))
+        first = len(found.vertex)
+        found = joined([found, beside(found.take(again[found.vertex]), _NEAR)])
+        read = read_marks(found, key, setting.layout, told, payload)
+        lucky = read.torn & (np.arange(len(found.vertex)) >= first)  # so many tries would make holes
+        read = replace(read, holds=read.holds & ~lucky, torn=read.torn & ~lucky)
+    return Sweep(found, read, told, able, rounded)
+
+
+def _able(shape: RingShapes, setting: Setting) -> NDArray[np.bool_]:
+    """Return (r,): which rings could carry a mark, of whatever level they may have had."""
+    able = eligible(shape, setting.unit, setting.layout.levels, _MARGIN)
+    level = np.floor(level_of(shape, setting.unit))
+    for doubt in (-setting.doubts, setting.doubts):
+        unit = setting.unit * 2.0 ** (doubt / 2.0)
+        rows = np.flatnonzero(able & (np.floor(level_of(shape, unit)) != level))
+        able[rows] = eligible(shape.take(rows), unit, setting.layout.levels, _MARGIN)
+    return able
+
+
+def vouched(parts: _Parts, passed: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return (p,): which points are marks that hold, `passed` (p,), or in the ring of one."""
+    verified = passed.copy()
+    for group, _ in parts:
+        verified[group.around[passed[group.vertex]]] = True
+    return verified
+
+
+def _around(parts: _Parts, chosen: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return (p,): the chosen points and the middles of rings that hold one."""
+    around = chosen.copy()
+    for group, _ in parts:
+        around[group.vertex] |= chosen[group.around].any(axis=1)
+    return around
+
+
+def _told(found: Candidates, key: Key, setting: Setting) -> int | None:
+    """Return the model's id as the marks tell it."""
+    header = found.take(found.kind == HEADER)
+    read = read_marks(header, key, setting.layout, None)
+    return read_header(header.index[read.holds], read.symbol[read.holds], setting.layout.symbol)

@@ -1,0 +1,202 @@
+"""What authentication and recovery both start from: the marks of a suspect, its altered points and its payload."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache, cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshmark.authentication.as_written import Since, since_written
+from meshmark.authentication.checks.altered_points import altered_points
+from meshmark.authentication.checks.checks import Checks, check
+from meshmark.authentication.payload.payload import Payload, decode, unpack
+from meshmark.authentication.payload.signed_totals import points_distinct, points_shown, unmarked_parts
+from meshmark.certificate.binding import refuse_edited, stranger
+from meshmark.certificate.certificate import Certificate
+from meshmark.coding.erasure.erasure_code import ErasureCode
+from meshmark.coding.keys import Key
+from meshmark.geometry.adjacency import adjacency, unique_edges
+from meshmark.geometry.areas import vertex_areas
+from meshmark.geometry.shown import Shown, times_of
+from meshmark.geometry.weld import Welded
+from meshmark.mesh import Mesh
+from meshmark.ownership.extraction import extract
+from meshmark.ownership.results import Extraction
+from meshmark.scene.surfaces import marked_surface, mirrored, repeated, unfolded
+
+__all__ = ["DOUBTFUL_LOG10", "MARKED_LOG10", "Examination", "examine"]
+
+MARKED_LOG10 = -9.0
+"""Marks are there where so many hold by chance less often than this."""
+DOUBTFUL_LOG10 = -4.0
+"""Between the two nothing is said."""
+# Area is missing where it is off by more than so many deviations of the scale.
+_SURE = 3.0
+
+
+@dataclass(frozen=True, eq=False)
+class Examination:
+    """surface: the suspect's; checks: of its marks; id: the model's, from the marks or from the ownership layer, or
+    None. marked: marks of authentication hold. altered: (p,) points, all of them where no mark holds.
+    log10_false_positive: bound on the chance of the marks, or else of the id, without the key. payload: what the
+    intact part carries, None where it is too little.
+    Where there is an id but no mark, ownership_only: the certificate says that there never was one; since: what is
+    known of the model since it was written, by its certificate alone.
+    remark: a sentence where the certificate is not this model's; nothing was taken from it then.
+    """
+
+    surface: Welded
+    checks: Checks
+    id: int | None
+    marked: bool
+    altered: NDArray[np.bool_]
+    log10_false_positive: float
+    payload: Payload | None = None
+    ownership_only: bool = False
+    since: Since = Since.UNKNOWN
+    remark: str | None = None
+
+    @property
+    def points_missing(self) -> int | None:
+        """How many points fewer there are than were signed off, below 0 where there are more; None: not known."""
+        if self.payload is None or not self.payload.whole.points:
+            return None
+        whole = self.payload.whole
+        missing = whole.points - points_shown(self.surface)
+        if missing == 0 and whole.distinct and isinstance(self.surface, Shown):
+            missing = whole.distinct - points_distinct(self.surface)
+        return missing
+
+    @cached_property
+    def area_missing(self) -> float | None:
+        """Which share of the surface that was signed off is gone, 0 to 1; None where it is not known."""
+        scale = self.checks.scale
+        if self.payload is None or not self.payload.whole.area or not scale.half:
+            return None
+        areas = vertex_areas(self.surface.points, self.surface.faces) * times_of(self.surface)
+        left = float(areas[~unmarked_parts(self.surface, self.checks.verified)].sum())
+        share = 1.0 - left / (self.payload.whole.area * scale.half**2)
+        return share if share > _SURE * 2.0 * scale.doubt else 0.0
+
+
+def examine(mesh: Mesh, key: Key, reference: Certificate | Mesh | None = None) -> Examination:
+    """Look for the marks of a mesh; where they do not tell the model's id, the ownership layer is asked.
+
+    Copies of one mesh that are to be told by their shape are looked for where the model is not intact without, and
+    believed where the marks say that it had some. reference: helps to find the ownership layer.
+    Raises `InputError` where the mesh has no surface, and for a certificate of this key that was edited.
+    """
+    if isinstance(reference, Certificate):
+        refuse_edited(reference, key)
+    ask = cache(lambda: extract(mesh, key, reference=reference, locking=reference is not None, cut=True))
+    found = _examined(mesh, marked_surface(mesh), key, reference, ask)
+    if isinstance(found.surface, Shown) or _intact(found):
+        return found
+    if found.payload and not found.payload.whole.distinct:
+        return found
+    for copies in repeated(mesh, cut=True):
+        surface = unfolded(mesh, copies)
+        for way in (surface, *mirrored(surface)):
+            if _intact(found):
+                return found
+            again = _examined(mesh, way, key, reference, ask)
+            if again.payload is not None and again.payload.whole.distinct and _less(again, found):
+                found = again
+    return found
+
+
+def _intact(found: Examination) -> bool:
+    return found.marked and not (found.altered.any() or found.points_missing)
+
+
+def _less(one: Examination, other: Examination) -> bool:
+    """Return whether less of one is altered than of another examination of the same model."""
+    if one.marked != other.marked:
+        return one.marked
+    return (int(one.altered.sum()), abs(one.points_missing or 0)) < (
+        int(other.altered.sum()),
+        abs(other.points_missing or 0),
+    )
+
+
+def _examined(
+    mesh: Mesh,
+    surface: Welded,
+    key: Key,
+    reference: Certificate | Mesh | None,
+    ask: Callable[[], Extraction],
+) -> Examination:
+    """Examine one surface of a mesh; ask: reads the ownership layer."""
+    checks = check(surface, key)
+    identity = checks.nonce
+    if identity is None or checks.log10_chance > MARKED_LOG10:
+        found = ask()
+        identity = found.id
+        if identity is not None:
+            checks = check(surface, key, identity)
+    certificate = reference if isinstance(reference, Certificate) else None
+    remark = None if certificate is None else stranger(certificate, key, identity)
+    if identity is not None and checks.log10_chance <= MARKED_LOG10:
+        packed = _packed(checks)
+        if packed is not None:
+            checks = _confirmed(surface, key, identity, checks, packed)
+        altered, payload = altered_points(surface, checks), None if packed is None else unpack(packed)
+        known = Examination(
+            surface, checks, identity, True, altered, checks.log10_chance, payload, remark=remark
+        )
+        if (known.points_missing or 0) < 0:  # parts were added on which there are no marks to fail
+            altered |= unmarked_parts(surface, checks.verified)
+        return known
+    own = certificate if identity is not None and remark is None else None
+    layers = None if own is None else own.more.get("layers")
+    since = Since.UNKNOWN
+    if own is not None and layers == "ownership":
+        since = since_written(own, mesh, key)
+    elif layers == "both":
+        since = Since.CHANGED
+    return Examination(
+        surface,
+        checks,
+        identity,
+        False,
+        np.ones(len(surface.points), bool),
+        checks.log10_chance if identity is None else found.log10_false_positive,
+        ownership_only=layers == "ownership",
+        since=since,
+        remark=remark,
+    )
+
+
+def _packed(checks: Checks) -> bytes | None:
+    """Return what the believed marks carry, else what all that hold do: scattered ones prove each other so."""
+    for index, value in ((checks.index, checks.value), (checks.stray_index, checks.stray_value)):
+        packed = decode(index, value, checks.symbol_bits) if len(index) else None
+        if packed is not None:
+            return packed
+    return None
+
+
+def _confirmed(surface: Welded, key: Key, identity: int, checks: Checks, packed: bytes) -> Checks:
+    """Return the checks anew where a point is altered, or has no other voucher than marks against the payload.
+
+    A mark that was put at random, or holds by luck, says the symbol that the payload has there once in 2^9 or so.
+    In a rounded file one such mark can hide that its neighbour is to be read in another way, or dispute where a
+    shell lies: so nothing is called altered by a check that does not know the payload.
+    """
+    source = ErasureCode(packed, checks.symbol_bits)
+    right = source(checks.stray_index) == checks.stray_value
+    passed = checks.passed.copy()
+    passed[checks.stray_vertex[~right]] = False
+    passed[checks.stray_vertex[right]] = checks.passed[checks.stray_vertex[right]]
+    if altered_points(surface, checks).any():
+        return check(surface, key, identity, source)
+    if (passed == checks.passed).all():
+        return checks
+    graph = adjacency(unique_edges(surface.faces), len(surface.points))
+    vouched = passed | (graph @ passed.astype(np.float64) > 0.0)
+    if not (checks.eligible & checks.verified & ~vouched).any():
+        return checks
+    return check(surface, key, identity, source)

@@ -1,0 +1,1 @@
+"""The marks of authentication: which points carry them and what they say."""

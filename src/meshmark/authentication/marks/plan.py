@@ -1,0 +1,243 @@
+"""Marks: which points carry them, and where those points go (DESIGN section 7)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshmark.authentication.marks.candidates import (
+    HEADER,
+    PAYLOAD,
+    PLACE,
+    Candidates,
+    candidates,
+    joined,
+    level_of,
+    room,
+    step_of,
+)
+from meshmark.authentication.marks.independent_points import independent_points
+from meshmark.authentication.marks.ring_shapes import RingShapes, ring_shapes
+from meshmark.authentication.marks.rings import Rings, ordered_rings
+from meshmark.authentication.marks.symbols import covers_id, header_symbols, place_symbols
+from meshmark.authentication.marks.words import PURPOSE, bind, places_of, words_of
+from meshmark.authentication.parameters import (
+    COVERING,
+    LAYOUTS,
+    MARKS_NEEDED,
+    PSNR_LEAST,
+    PSNR_WANTED,
+    UNIT,
+    Layout,
+)
+from meshmark.coding.keyed import keyed_words, unit_interval
+from meshmark.coding.keys import Key
+from meshmark.errors import CapacityError, InputError
+from meshmark.geometry.adjacency import adjacency, unique_edges
+from meshmark.geometry.weld import Welded
+from meshmark.mesh import FloatArray, IntArray
+
+__all__ = ["Marked", "Plan", "SymbolSource", "mark", "plan"]
+
+# Fewest of the points that may be marks that then are, about: what needs more room than this is not tried.
+_MARK_SHARE = 0.22
+# A point's distance from its ring's middle, times how far errors turn the ring, over how far they move the place of
+# a mark there at all: beyond this, points carry marks only where no other can.
+_FIRM = 4.0
+SymbolSource = Callable[[NDArray[np.uint32]], NDArray[np.uint16]]
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """What a surface can carry.
+
+    marks: (m,) the points that carry marks. payload_marks: how many of them carry payload.
+    payload_index: (payload_marks,) uint32 of their symbols; rings that are alike share one.
+    layout: bits per mark. unit: smallest step, in scene units. covered: share of the points that faces use
+    which are marks or in the ring of one, 0 to 1. tells_id: the marks carry every piece of the model's id.
+    """
+
+    marks: IntArray
+    payload_index: NDArray[np.uint32]
+    layout: Layout
+    unit: float
+    covered: float
+    tells_id: bool
+
+    @property
+    def symbol_bits(self) -> int:
+        """Return the bits of a payload symbol."""
+        return self.layout.symbol
+
+    @property
+    def payload_marks(self) -> int:
+        """Return the number of marks that carry payload."""
+        return len(self.payload_index)
+
+
+@dataclass(frozen=True, eq=False)
+class Marked:
+    """A marked surface.
+
+    points: (p, 3). count: marks. bits_per_mark: symbol and MAC; symbol_bits: the symbol alone. step: the smallest
+    quantiser step, in scene units; no mark has a step 1.42 times as large.
+    """
+
+    points: FloatArray
+    count: int
+    bits_per_mark: int
+    symbol_bits: int
+    step: float
+
+
+def plan(surface: Welded, key: Key, precision: float, choice: int = 0) -> Plan:
+    """Choose the marks and their size, for coordinates that may be off by up to `precision` (scene units).
+
+    choice: another number gives other marks. Raises `InputError` for a precision that is not a positive number,
+    `CapacityError` where the surface has too few rings that are large enough.
+    """
+    plan, _ = _prepared(surface, key, precision, choice)
+    return plan
+
+
+def mark(
+    surface: Welded, key: Key, nonce: int, symbols: SymbolSource, precision: float, *, choice: int = 0
+) -> Marked:
+    """Return the surface with marks that are bound to the key, the nonce (the model's id) and the place.
+
+    symbols: the payload's symbols for indices, (m,) uint32 -> (m,) uint16. Raises as `plan` does.
+    """
+    if not 0 <= nonce < 1 << 64:
+        raise InputError("the model's id is out of range, expected a number of 64 bits")
+    chosen, found = _prepared(surface, key, precision, choice)
+    layout = chosen.layout
+    symbol = np.zeros(len(found.vertex), np.int64)
+    header, place, payload = (found.kind == kind for kind in (HEADER, PLACE, PAYLOAD))
+    symbol[header] = header_symbols(found.index[header], nonce, layout.symbol)
+    symbol[place] = place_symbols(found.take(place), _frame(surface), layout.symbol)
+    symbol[payload] = symbols(found.index[payload])
+    if symbol.max(initial=0) >> layout.symbol:
+        raise InputError(f"a payload symbol is out of range, expected {layout.symbol} bits")
+    words = words_of(symbol, found.rim, bind(found, key, nonce), layout)
+    change = places_of(words, found.place, layout) - found.place
+    points = surface.points.copy()
+    points[found.vertex] += np.einsum("rj,rji->ri", change * found.step[:, None], found.axes)
+    return Marked(points, len(found.vertex), layout.bits, layout.symbol, chosen.unit)
+
+
+def _prepared(surface: Welded, key: Key, precision: float, choice: int) -> tuple[Plan, Candidates]:
+    if not (np.isfinite(precision) and precision > 0.0):
+        raise InputError(f"a precision of {precision:g} is out of range, expected a number above 0")
+    points = surface.points
+    unit = UNIT * precision
+    radius = _frame(surface)[1]
+    rings = ordered_rings(surface.faces, len(points))
+    shapes = [ring_shapes(points, group) for group in rings]
+    parts = list(zip(rings, shapes, strict=True))
+    purpose = "authentication choice of marks" + (f" {choice}" if choice else "")
+    chance = unit_interval(keyed_words(key.subkey(purpose), len(points)))
+    levels = _room(len(points), parts, unit)
+    firm = _firm(points, parts)
+    fewest = min(layout.levels for layout in LAYOUTS.values())
+    enough = COVERING * (levels >= fewest).sum()
+    for wanted in (PSNR_WANTED, PSNR_LEAST):
+        most = 2.0 * radius * 10.0 ** (-wanted / 20.0)
+        for layout in LAYOUTS.values():
+            allowed = levels >= layout.levels
+            if allowed.sum() < enough or _rms(parts, allowed, unit, layout) * sqrt(_MARK_SHARE) > most:
+                continue
+            chosen = _firm_first(surface.faces, allowed, firm, chance)
+            if _rms(parts, chosen, unit, layout) <= most:
+                return _plan(points, parts, chosen, unit, layout, key)
+    raise CapacityError(
+        "the precision of the file is too coarse for invisible marks of authentication, expected more digits"
+    )
+
+
+_Parts = list[tuple[Rings, RingShapes]]
+
+
+def _firm(points: FloatArray, parts: _Parts) -> NDArray[np.bool_]:
+    """Return (p,): the points that do not lie so far from the middle of a needle ring that its turning moves them.
+
+    What else an error does to a mark's place the ring alone tells (`RingShapes.spread`).
+    """
+    firm = np.ones(len(points), bool)
+    for group, shape in parts:
+        far = np.linalg.norm(points[group.vertex] - shape.centre, axis=1)
+        firm[group.vertex] = far * shape.sway <= _FIRM * shape.spread * shape.size
+    return firm
+
+
+def _firm_first(
+    faces: IntArray, allowed: NDArray[np.bool_], firm: NDArray[np.bool_], chance: FloatArray
+) -> NDArray[np.bool_]:
+    """Return (p,): a maximal set of `allowed` (p,) points without neighbours in it, `firm` (p,) ones first."""
+    chosen = independent_points(faces, allowed & firm, chance)
+    if (allowed & ~firm).any():
+        graph = adjacency(unique_edges(faces), len(allowed))
+        free = allowed & ~chosen & ~(graph @ chosen.astype(np.float64) > 0.0)
+        chosen |= independent_points(faces, free, chance)
+    return chosen
+
+
+def _plan(
+    points: FloatArray, parts: _Parts, chosen: NDArray[np.bool_], unit: float, layout: Layout, key: Key
+) -> tuple[Plan, Candidates]:
+    if chosen.sum() < MARKS_NEEDED:
+        raise CapacityError(
+            f"the model has room for {int(chosen.sum())} marks of authentication, needs {MARKS_NEEDED}; "
+            "it has too few points, or too fine ones for the precision of its file"
+        )
+    found = joined([_plain(points, *part, chosen, unit, key) for part in parts])
+    payload = found.index[found.kind == PAYLOAD]
+    tells = covers_id(found.index[found.kind == HEADER], layout.symbol)
+    return Plan(found.vertex, payload, layout, unit, _covered(parts, chosen), tells), found
+
+
+def _covered(parts: _Parts, chosen: NDArray[np.bool_]) -> float:
+    vouched, used = chosen.copy(), np.zeros(len(chosen), bool)
+    for group, _ in parts:
+        used[group.around] = True
+        vouched[group.around[chosen[group.vertex]]] = True
+    return float(vouched.sum() / used.sum())
+
+
+def _room(count: int, parts: _Parts, unit: float) -> FloatArray:
+    levels = np.zeros(count)
+    for group, shape in parts:
+        levels[group.vertex] = room(shape, unit)
+    return levels
+
+
+def _rms(parts: _Parts, chosen: NDArray[np.bool_], unit: float, layout: Layout) -> float:
+    """Return the RMS displacement of all points for marks at `chosen` (p,): uniform in the span of each axis."""
+    square = 0.0
+    for group, shape in parts:
+        some = shape.take(chosen[group.vertex])
+        step = some.size * step_of(np.floor(level_of(some, unit)).astype(np.int64))
+        square += float(step @ step)
+    return layout.levels * sqrt(square * 3.0 / 12.0 / len(chosen))
+
+
+def _plain(
+    points: FloatArray, rings: Rings, shapes: RingShapes, chosen: NDArray[np.bool_], unit: float, key: Key
+) -> Candidates:
+    rows = np.flatnonzero(chosen[rings.vertex])
+    shapes = shapes.take(rows)
+    level = np.floor(level_of(shapes, unit)).astype(np.int64)
+    return candidates(points, rings.take(rows), shapes, level, key.subkey(PURPOSE), all_ways=False)
+
+
+def _frame(surface: Welded) -> tuple[FloatArray, float]:
+    """Return the middle and half the diagonal of the box around the points that faces use."""
+    used = np.zeros(len(surface.points), bool)
+    used[surface.faces] = True
+    if not used.any():
+        raise CapacityError("the model has no faces, which marks of authentication need")
+    low, high = surface.points[used].min(axis=0), surface.points[used].max(axis=0)
+    return (low + high) / 2.0, float(np.linalg.norm(high - low)) / 2.0

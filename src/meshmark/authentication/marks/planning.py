@@ -1,0 +1,90 @@
+"""Which marks are tried on a model, in which order: for the coarsest precision that they can be made for first."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass, replace
+
+from meshmark.authentication.marks.plan import Plan, plan
+from meshmark.authentication.marks.precision import Precision, precisions_of
+from meshmark.authentication.payload.payload import capacity
+from meshmark.coding.keys import Key
+from meshmark.errors import CapacityError
+from meshmark.geometry.together import together
+from meshmark.geometry.weld import Welded, weld
+from meshmark.io.save import conform
+from meshmark.mesh import Mesh
+
+__all__ = ["Planned", "plans"]
+
+# Marks for a coarser precision are taken where they cover so much of the points, or of what the finer ones do.
+_COVERED = 0.9
+# Points may become one by rounding where they are nearer than so many errors of a coordinate: 2 sqrt 3 of them, by
+# the errors of both.
+_NEAR = 3.5
+# Marks that are not borne are made anew for so many times the error.
+_COARSER = (1.2, 1.45)
+
+
+@dataclass(frozen=True, eq=False)
+class Planned:
+    """What to mark: a mesh of which points that rounding may make one are one already, and its surface; and how."""
+
+    mesh: Mesh
+    surface: Welded
+    plan: Plan
+    precision: Precision
+    choice: int = 0
+
+
+def plans(mesh: Mesh, key: Key, tolerance: str | None) -> Iterator[Planned]:
+    """Yield marks, best first: for the coarsest precision that leaves room for what it must, and covers enough.
+
+    Each again made a little coarser, where the first did not hold or bear what they should; then those for finer
+    precisions. Raises `CapacityError` where there are none at all.
+    """
+    for first in _by_precision(mesh, key, tolerance):
+        yield first
+        for more in _COARSER:
+            with suppress(CapacityError):
+                again = replace(first.precision, error=more * first.precision.error)
+                yield _planned(mesh, key, again)
+
+
+def _by_precision(mesh: Mesh, key: Key, tolerance: str | None) -> Iterator[Planned]:
+    waiting: list[Planned] = []
+    refusal = CapacityError("no marks of authentication fit, expected more room for payload")
+    enough = False
+    for precision in precisions_of(mesh, tolerance):
+        try:
+            found = _planned(mesh, key, precision)
+        except CapacityError as error:
+            refusal = error
+            continue
+        room = 8 * capacity(found.plan.payload_marks, found.plan.symbol_bits)
+        if room < precision.enough * len(found.surface.points):
+            continue
+        waiting.append(found)
+        enough = enough or found.plan.covered >= _COVERED
+        if enough:
+            yield from _covering(waiting)
+            waiting = []
+    yield from _covering(waiting)
+    if not (waiting or enough):
+        raise refusal
+
+
+def _covering(waiting: list[Planned]) -> list[Planned]:
+    """Return those that cover nearly as much of the points as the best of them."""
+    most = max((each.plan.covered for each in waiting), default=0.0)
+    return [each for each in waiting if each.plan.covered >= _COVERED * most]
+
+
+def _planned(mesh: Mesh, key: Key, precision: Precision) -> Planned:
+    surface = weld(mesh)
+    placed = together(surface.points, _NEAR * precision.error)
+    if (placed != surface.points).any():
+        mesh = mesh.with_vertices(conform(mesh, placed[surface.point_of_vertex]))
+        surface = weld(mesh)
+    return Planned(mesh, surface, plan(surface, key, precision.error), precision)

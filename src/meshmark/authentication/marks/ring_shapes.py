@@ -1,0 +1,143 @@
+"""Where a point lies in the frame of its ring, and how firmly the ring holds that frame.
+
+All is invariant to similarity transforms and to the order of points and faces (DESIGN section 7). The ring alone
+makes the frame: a ring that stays, while its middle point moves, gives the same frame again.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshmark.authentication.marks.rings import Rings
+from meshmark.mesh import FloatArray, IntArray
+
+__all__ = ["RingShapes", "frames", "ring_shapes", "spreads_from", "starts"]
+
+_TINY = 1e-30
+
+
+@dataclass(frozen=True, eq=False)
+class RingShapes:
+    """Shapes of r rings of k neighbours.
+
+    centre: (r, 3) mean of the neighbours. size: (r,) their RMS distance from it, in scene units; 0 where they
+    coincide. offsets: (r, k, 3) the neighbours less the centre, in units of the size. normal: (r, 3) unit, of
+    the polygon's area vector; zeros where it has none. distance: (r, k) lengths of the offsets. chord: (r, k)
+    from each neighbour to the next. spread: (r,) how much an error of one coordinate of every neighbour and of
+    the middle point grows in the point's place in the ring, a factor of standard deviations. sway: (r,) how much
+    such an error turns the ring's frame, in radians for an error of one ring size: large where it is a needle.
+    """
+
+    centre: FloatArray
+    size: FloatArray
+    offsets: FloatArray
+    normal: FloatArray
+    distance: FloatArray
+    chord: FloatArray
+    spread: FloatArray
+    sway: FloatArray
+
+    def take(self, rows: IntArray | NDArray[np.bool_]) -> RingShapes:
+        """Return these rows."""
+        return RingShapes(*(getattr(self, field.name)[rows] for field in fields(self)))
+
+
+def ring_shapes(points: FloatArray, rings: Rings) -> RingShapes:
+    """Return the shapes of rings, of points (p, 3)."""
+    around = points[rings.around]
+    centre = around.mean(axis=1)
+    offsets = around - centre[:, None]
+    size = np.sqrt(np.einsum("rki,rki->r", offsets, offsets) / offsets.shape[1])
+    offsets /= np.maximum(size, _TINY)[:, None, None]
+    following = np.roll(offsets, -1, axis=1)
+    area = 0.5 * _cross(offsets, following).sum(axis=1)
+    extent = np.sqrt(np.einsum("ri,ri->r", area, area))
+    distance = np.sqrt(np.einsum("rki,rki->rk", offsets, offsets))
+    step = following - offsets
+    normal = area / np.maximum(extent, _TINY)[:, None]
+    return RingShapes(
+        centre,
+        size,
+        offsets,
+        normal,
+        distance,
+        np.sqrt(np.einsum("rki,rki->rk", step, step)),
+        *_growth(_rolled(offsets, distance.argmax(axis=1)), normal, np.maximum(extent, _TINY)),
+    )
+
+
+def spreads_from(shapes: RingShapes, start: IntArray) -> FloatArray:
+    """Return the spreads (r,) that the rings have where neighbour `start` (r,) leads."""
+    area = 0.5 * _cross(shapes.offsets, np.roll(shapes.offsets, -1, axis=1)).sum(axis=1)
+    extent = np.maximum(np.sqrt(np.einsum("ri,ri->r", area, area)), _TINY)
+    return _growth(_rolled(shapes.offsets, start), shapes.normal, extent)[0]
+
+
+def _growth(offsets: FloatArray, normal: FloatArray, area: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return how much errors of standard deviation 1 grow, (r,), to first order, on the axis where they grow most.
+
+    And how far they turn the frame, (r,).
+
+    The place in the ring is the point less a sum of the neighbours with weights +-1, turned into the frame and
+    scaled. Errors tilt the normal by that of the area vector, half the sum of error x (next - previous
+    neighbour); they turn the first axis by that of the harmonic, and scale by that of the size. The sum over
+    random signs has the second moments of the offsets.
+    """
+    count = offsets.shape[1]
+    axes = frames(offsets, normal)
+    local = np.einsum("rki,rji->rkj", offsets, axes)
+    across = np.roll(local, -1, axis=1) - np.roll(local, 1, axis=1)
+    second = np.einsum("rki,rkj->rij", local, local)
+    chords = np.einsum("rki,rkj->rij", across, across)
+    whole = np.einsum("rii->r", chords)
+    tilt = (whole[:, None, None] * np.eye(3) - chords) / (4.0 * area**2)[:, None, None]
+    wave = _wave(count)
+    harmonic = np.einsum("rki,k->ri", local, wave)
+    twist = (wave @ wave) / np.maximum(harmonic[:, 0] ** 2, _TINY)
+    x, y, n = second[:, 0, 0], second[:, 1, 1], second[:, 2, 2]
+    grown = [
+        x / count + y * twist + n * tilt[:, 0, 0],
+        y / count + x * twist + n * tilt[:, 1, 1],
+        n / count + np.einsum("rij,rij->r", second[:, :2, :2], tilt[:, :2, :2]),
+    ]
+    sway = np.sqrt(tilt[:, 0, 0] + tilt[:, 1, 1] + twist)
+    return np.asarray(np.sqrt(1.2 + count + np.max(grown, axis=0))), np.asarray(sway)
+
+
+def starts(distance: FloatArray, tolerance: FloatArray) -> tuple[IntArray, IntArray]:
+    """Return (row, neighbour), each (c,): the neighbours within `tolerance` (r,) of the farthest of each ring."""
+    row, neighbour = np.nonzero(distance >= (distance.max(axis=1) - tolerance)[:, None])
+    return row, neighbour
+
+
+def frames(offsets: FloatArray, normal: FloatArray) -> FloatArray:
+    """Return (r, 3, 3): for each ring its axes as rows, the last the normal, the first towards its first neighbour.
+
+    More exactly towards the first harmonic of the offsets (r, k, 3), which all neighbours hold in place. Zeros
+    where there is none.
+    """
+    mode = np.einsum("rki,k->ri", offsets, _wave(offsets.shape[1]))
+    mode -= np.einsum("ri,ri->r", mode, normal)[:, None] * normal
+    mode /= np.maximum(np.sqrt(np.einsum("ri,ri->r", mode, mode)), _TINY)[:, None]
+    return np.stack([mode, _cross(normal, mode), normal], axis=1)
+
+
+def _wave(count: int) -> FloatArray:
+    return np.asarray(np.cos(2.0 * np.pi * np.arange(count) / count))
+
+
+def _rolled(values: NDArray[np.float64], start: IntArray) -> FloatArray:
+    """Return `values` (r, k, ...) with neighbour `start` (r,) of each ring leading."""
+    count = values.shape[1]
+    order = (start[:, None] + np.arange(count)) % count
+    return np.asarray(values[np.arange(len(values))[:, None], order])
+
+
+def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
+    out = np.empty(a.shape)
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        out[..., i] = a[..., j] * b[..., k] - a[..., k] * b[..., j]
+    return out

@@ -1,0 +1,1 @@
+"""The payload that the marks carry."""

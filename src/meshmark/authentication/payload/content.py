@@ -1,0 +1,101 @@
+"""What a payload holds: a miniature of the model, the user's bytes, or an image file as it is."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+from meshmark.authentication.payload.payload import INTACT, capacity, pack
+from meshmark.authentication.payload.signed_totals import Whole
+from meshmark.errors import CapacityError, InputError
+from meshmark.geometry.weld import Welded
+from meshmark.recovery.miniature import miniature
+
+__all__ = ["Asked", "Content", "content_for", "content_of"]
+
+Content = str | bytes | os.PathLike[str] | None
+"""What callers may ask for: "miniature", "none", bytes, the path of a file, or None for what suits the model."""
+LONGEST = 50_000_000
+# How image files begin.
+_IMAGES = (
+    b"\x89PNG\r\n\x1a\n",
+    b"\xff\xd8\xff",
+    b"GIF8",
+    b"BM",
+    b"II*\0",
+    b"MM\0*",
+    b"P4",
+    b"P5",
+    b"P6",
+    b"\0\0\x01\0",
+)
+
+
+@dataclass(frozen=True)
+class Asked:
+    """kind: of `payload.KINDS`, or "any" for a miniature where it fits; content: bytes or those of a file."""
+
+    kind: str
+    content: bytes = b""
+
+
+def content_of(payload: Content) -> Asked:
+    """Return what is asked for; raises `InputError` where a file cannot be read or is far too long."""
+    if payload is None:
+        return Asked("any")
+    if payload in ("miniature", "none"):
+        return Asked(str(payload))
+    content = payload if isinstance(payload, bytes) else _read(Path(payload))
+    is_image = content.startswith(_IMAGES) or (content[:4] == b"RIFF" and content[8:12] == b"WEBP")
+    return Asked("image" if is_image else "bytes", content)
+
+
+def content_for(
+    asked: Asked, surface: Welded, whole: Whole, symbols: int, symbol_bits: int
+) -> tuple[bytes, tuple[str, ...]]:
+    """Return the packed payload for so many marks with different symbols, and remarks about it.
+
+    surface: of a miniature; whole: what is signed off. Raises `CapacityError` where what was asked for does not
+    fit; where it is a miniature that nobody asked for, a remark says that it is left out.
+    """
+    room = max(capacity(symbols, symbol_bits) - whole.more, 0)
+    if asked.kind == "any":
+        try:
+            return pack("miniature", miniature(surface.points, surface.faces, room), whole), ()
+        except CapacityError as error:
+            return pack("none", whole=whole), (f"{error}: no payload, so altered parts cannot be recovered",)
+    if asked.kind == "miniature":
+        return pack("miniature", miniature(surface.points, surface.faces, room), whole), ()
+    if asked.kind == "none":
+        return pack("none", whole=whole), ()
+    size = len(asked.content)
+    most = max(capacity(symbols, symbol_bits, 1.0) - whole.more, 0)
+    if size > most:
+        raise CapacityError(f"the payload has {size:,} bytes, expected at most {most:,} in this model")
+    if size > room:
+        share = 0.01 * next(
+            percent
+            for percent in range(int(100 * INTACT), 101)
+            if _fits(size + whole.more, symbols, symbol_bits, percent)
+        )
+        remark = (
+            f"the payload fills the model: it is read back only while {share:.0%} of the marks are intact"
+        )
+        return pack(asked.kind, asked.content, whole), (remark,)
+    return pack(asked.kind, asked.content, whole), ()
+
+
+def _fits(size: int, symbols: int, symbol_bits: int, percent: int) -> bool:
+    return size <= capacity(symbols, symbol_bits, percent / 100.0)
+
+
+def _read(path: Path) -> bytes:
+    try:
+        if path.stat().st_size > LONGEST:
+            raise InputError(
+                f"{path} is longer than {LONGEST:,} bytes, expected a payload that a model can hold"
+            )
+        return path.read_bytes()
+    except OSError as error:
+        raise InputError(f"cannot read the payload {path}: {error.strerror or 'error'}") from None

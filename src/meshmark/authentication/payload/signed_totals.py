@@ -1,0 +1,112 @@
+"""What was signed off as a whole: how many points and how much surface there were, to tell what is missing.
+
+Marks tell what was changed where they are. A part of its own that is gone leaves no trace among the others, and one
+that was added, of rings too fine for marks, shows none: but then the numbers do not agree.
+"""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse.csgraph import connected_components
+
+from meshmark.geometry.adjacency import adjacency, unique_edges
+from meshmark.geometry.areas import face_areas
+from meshmark.geometry.shown import Shown, times_of
+from meshmark.geometry.weld import Welded
+from meshmark.scene.distinct import Distinct
+
+__all__ = [
+    "COPIES",
+    "SIZE",
+    "Whole",
+    "points_distinct",
+    "points_shown",
+    "unmarked_parts",
+    "used_points",
+    "whole_of",
+]
+
+_FORM, _MORE = struct.Struct("<If"), struct.Struct("<I")
+SIZE = _FORM.size
+"""Bytes of a packed `Whole`."""
+COPIES = _MORE.size
+"""And so many more of a model that shows copies."""
+# Points that are nearer to each other than so many errors of a coordinate may become one.
+_APART = 20.0
+
+
+@dataclass(frozen=True)
+class Whole:
+    """points: that faces use, 0 where they are not counted; area: in squares of half the diagonal, 0: unknown.
+
+    distinct: of a model that shows copies of a mesh, the points without them, 0 of any other.
+    """
+
+    points: int = 0
+    area: float = 0.0
+    distinct: int = 0
+
+    @property
+    def more(self) -> int:
+        """Return how many bytes more than `SIZE` it has when packed."""
+        return COPIES if self.distinct else 0
+
+    def packed(self) -> bytes:
+        """Return `SIZE` bytes, `COPIES` more of a model that shows copies."""
+        more = _MORE.pack(self.distinct) if self.distinct else b""
+        return _FORM.pack(self.points, self.area) + more
+
+    @staticmethod
+    def read(packed: bytes) -> Whole:
+        """Undo `packed`."""
+        more = _MORE.unpack(packed[SIZE:]) if len(packed) > SIZE else ()
+        return Whole(*_FORM.unpack(packed[:SIZE]), *more)
+
+
+def whole_of(surface: Welded, precision: float, scene: Distinct | None = None) -> Whole:
+    """Return the numbers of a surface; points are not counted where rounding may make two of them one.
+
+    scene: of which the surface is that without copies.
+    """
+    used = used_points(surface)
+    edges = unique_edges(surface.faces)
+    steps = surface.points[edges[:, 0]] - surface.points[edges[:, 1]]
+    apart = bool((np.einsum("ij,ij->i", steps, steps) > (_APART * precision) ** 2).all())
+    half = 0.5 * float(np.linalg.norm(np.ptp(surface.points[used], axis=0)))
+    areas = face_areas(surface.points, surface.faces)
+    if scene is None:
+        return Whole(int(used.sum()) if apart else 0, float(areas.sum()) / half**2)
+    times = scene.shown(surface)
+    area = float(areas @ times[surface.faces[:, 0]])
+    return Whole(int(times[used].sum()) if apart else 0, area / half**2, int(used.sum()))
+
+
+def used_points(surface: Welded) -> NDArray[np.bool_]:
+    """Return (p,): the points that faces use."""
+    used = np.zeros(len(surface.points), bool)
+    used[surface.faces] = True
+    return used
+
+
+def points_shown(surface: Welded) -> int:
+    """Return how many points that faces use a scene shows, copies counted."""
+    return int(times_of(surface)[used_points(surface)].sum())
+
+
+def points_distinct(surface: Shown) -> int:
+    """Return how many points that faces use are no copies."""
+    used = used_points(surface)
+    return int((used & (surface.original == np.arange(len(used)))).sum())
+
+
+def unmarked_parts(surface: Welded, verified: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return (p,): the points of connected parts of which no point is `verified` (p,)."""
+    graph = adjacency(unique_edges(surface.faces), len(surface.points))
+    part = connected_components(graph, directed=False)[1]
+    marked = np.zeros(int(part.max(initial=-1)) + 1, bool)
+    marked[part[verified]] = True
+    return np.asarray(~marked[part] & used_points(surface))

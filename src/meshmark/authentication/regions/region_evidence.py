@@ -1,0 +1,126 @@
+"""What the checks of a region say in the paper's two passes, top half and bottom half: counts and features."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse.csgraph import connected_components
+from scipy.special import betainc
+
+from meshmark.authentication.checks.checks import Checks
+from meshmark.geometry.adjacency import adjacency, unique_edges
+from meshmark.mesh import FloatArray, IntArray
+from meshmark.segmentation.map_segmentation import Regions
+
+__all__ = ["FEATURES", "RegionEvidence", "connected_parts", "region_evidence"]
+
+FEATURES = (
+    "failed checks, -log10 chance",
+    "failed checks, share",
+    "failed checks, log count",
+    "points without a mark, share",
+    "points without a mark or a neighbour with one, share",
+    "largest share of an altered part",
+    "largest altered part, log points",
+    "marks, over the usual",
+    "checks, log count",
+    "failed checks in the other half, share",
+)
+"""Inputs of the classifier, for each half of each region."""
+
+# Of the checks of an intact region so many may fail, for the sake of altered neighbours across its border.
+_SPILL = 0.02
+# Checks of neighbours share marks: so many fail together.
+_TOGETHER = 4.0
+_LARGEST = 30.0
+
+
+@dataclass(frozen=True, eq=False)
+class RegionEvidence:
+    """Of n regions; the rows of two columns are the top (green) and the bottom (blue) half.
+
+    checks, failed: (n, 2) points that could be told, and those of them that are altered. log10_chance: (n, 2) of at
+    least so many failed checks in an intact half. home: (n,) whether an altered part lies mostly in the region.
+    features: (n, 2, 10), see `FEATURES`.
+    """
+
+    checks: IntArray
+    failed: IntArray
+    log10_chance: FloatArray
+    home: NDArray[np.bool_]
+    features: FloatArray
+
+
+def region_evidence(
+    faces: IntArray, regions: Regions, checks: Checks, altered: NDArray[np.bool_]
+) -> RegionEvidence:
+    """Return the evidence of the regions; faces (m, 3), altered (p,) points as the map shows them."""
+    count = len(regions.green_share)
+    cell = 2 * regions.region + ~regions.green  # a half of a region
+
+    def tally(points: NDArray[np.bool_]) -> FloatArray:
+        return np.bincount(cell[points], minlength=2 * count).astype(float)
+
+    graph = adjacency(unique_edges(faces), len(altered))
+    checked = checks.eligible | checks.verified
+    bare = checks.eligible & ~checks.verified
+    deep = bare & ~(np.asarray(graph @ checks.verified.astype(float)) > 0.0)
+    total, failed = tally(checked), tally(checked & altered)
+    chance = _log10_tail(np.ceil(failed / _TOGETHER), np.ceil(total / _TOGETHER))
+    held, size = _parts_by_cell(faces, altered, cell, 2 * count)
+    share = failed / np.maximum(total, 1.0)
+    marks = tally(checks.passed) / np.maximum(total, 1.0)
+    usual = float(np.median(marks[total > 0.0])) if (total > 0.0).any() else 1.0
+    largest = (held / np.maximum(size[:, None], 1.0)).max(axis=0, initial=0.0)
+    columns = [
+        np.minimum(-chance, _LARGEST),
+        share,
+        np.log1p(failed),
+        tally(bare) / np.maximum(total, 1.0),
+        tally(deep) / np.maximum(total, 1.0),
+        largest,
+        np.log1p((size[:, None] * (held > 0.0)).max(axis=0, initial=0.0)),
+        np.minimum(marks / max(usual, 1e-9), 3.0),
+        np.log1p(total),
+        share.reshape(-1, 2)[:, ::-1].ravel(),
+    ]
+    home = np.zeros(count, bool)
+    if len(held):
+        home[held.reshape(len(held), count, 2).sum(axis=2).argmax(axis=1)] = True
+    return RegionEvidence(
+        total.reshape(-1, 2).astype(np.int64),
+        failed.reshape(-1, 2).astype(np.int64),
+        chance.reshape(-1, 2),
+        home,
+        np.stack(columns, axis=1).reshape(count, 2, len(FEATURES)),
+    )
+
+
+def _log10_tail(failed: FloatArray, checks: FloatArray) -> FloatArray:
+    """Return log10 of the chance (k,) of at least so many failures in so many checks of an intact region."""
+    least, rest = np.maximum(failed, 1.0), np.maximum(checks - failed, 0.0) + 1.0
+    tail = np.where(failed > 0.0, betainc(least, rest, _SPILL), 1.0)
+    return np.asarray(np.log10(np.maximum(tail, 1e-300)))
+
+
+def _parts_by_cell(
+    faces: IntArray, altered: NDArray[np.bool_], cell: IntArray, cells: int
+) -> tuple[FloatArray, FloatArray]:
+    """Return (parts, cells): the points of each connected altered part in each cell, and (parts,) in all."""
+    rows = np.flatnonzero(altered)
+    part = connected_parts(faces, altered)[rows]
+    held = np.zeros((int(part.max(initial=-1)) + 1, cells))
+    np.add.at(held, (part, cell[rows]), 1.0)
+    return held, held.sum(axis=1)
+
+
+def connected_parts(faces: IntArray, altered: NDArray[np.bool_]) -> IntArray:
+    """Return (p,): which connected altered part each point belongs to, -1 for points that are not altered."""
+    rows = np.flatnonzero(altered)
+    part = np.full(len(altered), -1)
+    if len(rows):
+        graph = adjacency(unique_edges(faces), len(altered))[rows][:, rows]
+        part[rows] = connected_components(graph, directed=False)[1]
+    return part

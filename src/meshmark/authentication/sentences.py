@@ -1,0 +1,102 @@
+"""What an authentication says in plain words: one or two sentences for the reader."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from meshmark.authentication.as_written import WRONG_LOG10
+from meshmark.authentication.checks.rounded import Rounded
+from meshmark.authentication.examination import Examination
+from meshmark.authentication.regions.region import Region
+
+__all__ = ["of_altered", "of_marks", "of_number", "of_rounded"]
+
+
+def of_marks(verdict: str, found: Examination) -> str:
+    """Return the sentence of a model of which no part is called altered by its marks."""
+    if verdict == "authentic" and not found.marked:
+        return (
+            "Nothing was changed since it was marked: its positions and faces are those that its certificate was "
+            "made for."
+        )
+    if verdict == "authentic":
+        return "Nothing was changed since it was marked."
+    if found.id is not None and not found.marked:
+        return _of_id(verdict, found)
+    if verdict == "inconclusive":
+        return "There are too few marks to tell; a model of few points, or a small part of one."
+    if verdict == "altered" and found.points_missing:
+        return of_number(found.points_missing, found.area_missing)
+    return "No mark of this key was found: another key's, never marked, or changed everywhere."
+
+
+def _of_id(verdict: str, found: Examination) -> str:
+    """Return the sentence of a model with the id, but without a mark of authentication."""
+    if verdict == "altered" and found.ownership_only:
+        return (
+            "It carries the owner's id, but less clearly than when it was marked: the surface was changed by more "
+            f"than rounding, an error below 10^{WRONG_LOG10:.0f}. It was marked without the authentication layer, "
+            "so where it was changed cannot be told."
+        )
+    if verdict == "altered":
+        return "It carries the owner's id, but no mark of authentication holds: it was changed everywhere."
+    if found.ownership_only:
+        return (
+            "It carries the owner's id, and was marked without the authentication layer: no change shows, but "
+            "whether there was none cannot be told."
+        )
+    return (
+        "It carries the owner's id, but no mark of authentication: it was marked without that layer, or changed "
+        "everywhere; whether it was changed cannot be told. Its certificate may tell."
+    )
+
+
+def of_altered(found: Examination, regions: Sequence[Region], places: Sequence[str], share: float) -> str:
+    """Return the sentence of a model of which parts were altered.
+
+    places: of the altered regions; share: altered, of the surface.
+    """
+    gone, torn = found.points_missing or 0, bool(found.checks.torn.any())
+    missing = found.area_missing if torn or gone > 0 else None
+    called = sum(region.verdict == "altered" for region in regions)
+    where = ", ".join(places[:3]) + (" and elsewhere" if len(places) > 3 else "")
+    text = f"{called} of {len(regions)} regions altered: {where}, "
+    if missing:
+        return text + (
+            f"where {_percent(missing)} of the signed-off surface is missing; {_percent(share)} of what is left "
+            "was altered or lies beside a hole."
+        )
+    if torn:
+        points = f"; {gone:,} points are missing" if gone > 0 else ""
+        return text + f"{_percent(share)} of the surface, beside holes that were made{points}."
+    if gone < 0:
+        return text + f"{_percent(share)} of the surface; {-gone:,} points were added."
+    return text + f"{_percent(share)} of the surface."
+
+
+def of_rounded(rounded: Rounded, beyond: Sequence[str]) -> str:
+    """Return the sentence of a model that was rounded everywhere, more coarsely than its marks bear.
+
+    beyond: where more was changed than rounding explains.
+    """
+    text = (
+        f"Rounded to {rounded.called} everywhere, more coarsely than the tolerance it was marked with bears"
+    )
+    if beyond:
+        where = ", ".join(beyond[:3]) + (" and elsewhere" if len(beyond) > 3 else "")
+        return f"{text}. Changed beyond that: {where}."
+    if not rounded.clear:
+        return f"{text}: too few marks are left to tell whether more was changed."
+    return f"{text}; no larger part was changed beyond that."
+
+
+def of_number(missing: int, area: float | None) -> str:
+    """Return the sentence of a model whose marks all hold, though it has another number of points."""
+    if missing < 0:
+        return f"{-missing:,} points were added since it was marked; all that was there is as it was."
+    share = f", {_percent(area)} of the signed-off surface" if area else ""
+    return f"Whole parts are missing: {missing:,} points{share}; what is left is as it was."
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.2g} %"

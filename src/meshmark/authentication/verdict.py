@@ -1,0 +1,178 @@
+"""Authentication: is a model as its maker signed it off, and if not, where was it changed (DESIGN section 7)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property, partial
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshmark.authentication.as_written import Since
+from meshmark.authentication.checks.rounded import rounded_everywhere
+from meshmark.authentication.examination import DOUBTFUL_LOG10, Examination, examine
+from meshmark.authentication.payload.payload import Payload
+from meshmark.authentication.regions.region import Region
+from meshmark.authentication.regions.region_map import RegionMap, region_map
+from meshmark.authentication.sentences import of_altered, of_marks, of_rounded
+from meshmark.certificate.certificate import Certificate
+from meshmark.coding.chance import believable
+from meshmark.coding.keys import Key
+from meshmark.coding.message import format_id
+from meshmark.geometry.areas import vertex_areas
+from meshmark.mesh import IntArray, Mesh
+from meshmark.ownership.extraction import MODES
+from meshmark.threads import on_one_thread
+
+__all__ = ["Authentication", "authenticate"]
+
+# Where there is an id but no mark of authentication.
+_SINCE = {Since.SAME: "authentic", Since.CHANGED: "altered", Since.UNKNOWN: "inconclusive"}
+
+
+@dataclass(frozen=True, eq=False)
+class Authentication:
+    """What the marks of a model say.
+
+    verdict: "authentic", "altered", "not_marked" or "inconclusive" (also where there is the id alone, and nothing
+    tells whether the model was changed); altered: (n,) which vertices of the file were
+    moved, made or laid bare. altered_area_fraction: of the surface, 0 to 1. missing_area_fraction: of the surface
+    that was signed off; points_missing: of its points, below 0 where there are more; both None where not known.
+    payload: "recovered", "partial" or "none"; content: what was recovered. id: or None.
+    log10_false_positive: bound on the chance of these marks (or of the id alone) without the key.
+    mode: "blind", "certificate" or "original"; certificate: "own", "foreign" (of another key, model or id) or None.
+    advice: sentences for the reader. draw: makes the map, which is made when it is asked for.
+    """
+
+    verdict: str
+    altered: NDArray[np.bool_]
+    altered_area_fraction: float
+    missing_area_fraction: float | None
+    points_missing: int | None
+    payload: str
+    content: Payload | None
+    id: int | None
+    log10_false_positive: float
+    mode: str
+    certificate: str | None
+    advice: str
+    seconds: float
+    draw: Callable[[], RegionMap] = field(repr=False)
+
+    @cached_property
+    def _map(self) -> RegionMap:
+        return self.draw()
+
+    @property
+    def regions(self) -> tuple[Region, ...]:
+        """Return the regions of the map, each with its verdict."""
+        return self._map.regions
+
+    @property
+    def region(self) -> IntArray:
+        """Return (n,): the region of each vertex of the file."""
+        return self._map.region
+
+    @property
+    def altered_vertices(self) -> int:
+        """Return how many vertices of the file are altered."""
+        return int(self.altered.sum())
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the JSON fields."""
+        return {
+            "verdict": self.verdict,
+            "altered_vertices": self.altered_vertices,
+            "altered_area_fraction": self.altered_area_fraction,
+            "missing_area_fraction": self.missing_area_fraction,
+            "points_missing": self.points_missing,
+            "regions": [region.to_dict() for region in self.regions],
+            "payload": self.payload,
+            "payload_kind": None if self.content is None else self.content.kind,
+            "payload_bytes": 0 if self.content is None else len(self.content.content),
+            "id": None if self.id is None else format_id(self.id),
+            "log10_false_positive": self.log10_false_positive,
+            "mode": self.mode,
+            "certificate": self.certificate,
+            "advice": self.advice,
+            "seconds": self.seconds,
+        }
+
+
+@on_one_thread
+def authenticate(mesh: Mesh, key: Key, *, reference: Certificate | Mesh | None = None) -> Authentication:
+    """Return whether `mesh` is as it was when it was marked with `key`, and where it is not.
+
+    reference: the certificate or the unmarked original; neither is needed, but a model that is altered throughout
+    is still known as the maker's by them. Turning, resizing and moving, another order of vertices or faces, and
+    other formats alter nothing. Raises `InputError` where the mesh has no surface.
+    """
+    start = perf_counter()
+    found = examine(mesh, key, reference)
+    verdict = _verdict(found)
+    points, faces = found.surface.points, found.surface.faces
+    altered = found.altered if verdict == "altered" else np.zeros(len(points), bool)
+    areas = vertex_areas(points, faces)
+    share = float(areas[altered].sum() / areas.sum())
+    draw = partial(region_map, mesh, found, altered)
+    if found.marked and altered.any():
+        drawn = draw()
+        rounded = rounded_everywhere(mesh, found)
+        if rounded is None:
+            advice = of_altered(found, drawn.regions, drawn.places(), share)
+        else:
+            advice = of_rounded(rounded, drawn.places_of(mesh.vertices, rounded.beyond))
+        draw = partial(_same, drawn)
+    else:
+        advice = of_marks(verdict, found)
+    if found.remark is not None:
+        advice += f" {found.remark}"
+    return Authentication(
+        verdict=verdict,
+        altered=altered[found.surface.point_of_vertex],
+        altered_area_fraction=share,
+        missing_area_fraction=_missing(found),
+        points_missing=found.points_missing,
+        payload=_payload(found),
+        content=found.payload,
+        id=found.id,
+        log10_false_positive=believable(found.log10_false_positive),
+        mode=MODES[type(reference)],
+        certificate=_certificate(found, reference),
+        advice=advice,
+        seconds=perf_counter() - start,
+        draw=draw,
+    )
+
+
+def _same(drawn: RegionMap) -> RegionMap:
+    return drawn
+
+
+def _verdict(found: Examination) -> str:
+    if found.marked:
+        return "altered" if found.altered.any() or found.points_missing else "authentic"
+    if found.id is not None:
+        return _SINCE[found.since]
+    return "inconclusive" if found.log10_false_positive <= DOUBTFUL_LOG10 else "not_marked"
+
+
+def _certificate(found: Examination, reference: Certificate | Mesh | None) -> str | None:
+    if not isinstance(reference, Certificate):
+        return None
+    return "own" if found.remark is None else "foreign"
+
+
+def _missing(found: Examination) -> float | None:
+    """Return the share that is gone: none where no part is, whatever its area measures."""
+    gone = found.checks.torn.any() or (found.points_missing or 0) > 0
+    return found.area_missing if gone or not found.marked else 0.0
+
+
+def _payload(found: Examination) -> str:
+    if found.payload is not None:
+        return "none" if found.payload.kind == "none" else "recovered"
+    return "partial" if found.marked and len(found.checks.index) else "none"

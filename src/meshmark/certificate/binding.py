@@ -1,0 +1,86 @@
+"""What binds a certificate to its content, and to the key and the id that it was made with.
+
+`content` authenticates every other field of the certificate, so that an edited one is known; `key` and `mark` are
+digests of it with the key, and with key and id. Without the key all three are random numbers that differ from
+certificate to certificate, so it stays safe to hand out.
+"""
+
+from __future__ import annotations
+
+import hmac
+from dataclasses import replace
+from hashlib import blake2b
+from typing import Any
+
+from meshmark.certificate.certificate import Certificate
+from meshmark.coding.keys import Key
+from meshmark.errors import InputError
+
+__all__ = ["FIELD", "bound", "refuse_edited", "stranger"]
+
+FIELD = "binding"
+"""Name of the certificate's field."""
+_PURPOSE = "certificate binding"
+_BYTES = 16
+# Fields that verdicts depend on.
+_SAID = ("layers", "written")
+
+
+def bound(certificate: Certificate, key: Key, identity: int) -> Certificate:
+    """Return the certificate of a model that was marked with this key and 64-bit id, bound to both.
+
+    Fields that are added or changed after this break the binding.
+    """
+    content = _content(certificate, key)
+    value = {"content": content, "key": _of_key(content, key), "mark": _of_mark(content, key, identity)}
+    return replace(certificate, more={**certificate.more, FIELD: value})
+
+
+def refuse_edited(certificate: Certificate, key: Key) -> None:
+    """Raise `InputError` where a certificate that was made with this key is not as it was made."""
+    value = certificate.more.get(FIELD)
+    if not isinstance(value, dict) or not _made_with(value, key):
+        return  # nothing can be said of certificates of other keys
+    if not _agrees(value.get("content"), _content(certificate, key)):
+        raise InputError("the certificate was edited after it was made, expected the file that `embed` wrote")
+
+
+def stranger(certificate: Certificate, key: Key, identity: int | None) -> str | None:
+    """Return a sentence where a certificate is not that of the mark with this id (None: of any of this key)."""
+    value = certificate.more.get(FIELD)
+    if not isinstance(value, dict):
+        return "The certificate is not bound to any key, as those are that are made with a mark."
+    if not _made_with(value, key):
+        return "The certificate was made with another key, or its binding was changed."
+    if identity is not None and not _agrees(value.get("mark"), _of_mark(value["content"], key, identity)):
+        return "The certificate is that of another mark: of another model, or of a copy with another id."
+    return None
+
+
+def _made_with(value: dict[str, Any], key: Key) -> bool:
+    content = value.get("content")
+    return isinstance(content, str) and _agrees(value.get("key"), _of_key(content, key))
+
+
+def _agrees(stated: object, right: str) -> bool:
+    return isinstance(stated, str) and hmac.compare_digest(_text(stated), _text(right))
+
+
+def _content(certificate: Certificate, key: Key) -> str:
+    return _digest(certificate.canonical(without=FIELD), key, b"content")
+
+
+def _of_key(content: str, key: Key) -> str:
+    return _digest(_text(content), key, b"key")
+
+
+def _of_mark(content: str, key: Key, identity: int) -> str:
+    return _digest(identity.to_bytes(8, "little") + _text(content), key, b"mark")
+
+
+def _text(value: str) -> bytes:
+    return value.encode("utf-8", "surrogatepass")  # JSON may hold any code point
+
+
+def _digest(text: bytes, key: Key, use: bytes) -> str:
+    return blake2b(text, digest_size=_BYTES, key=key.subkey(_PURPOSE), person=use).hexdigest()

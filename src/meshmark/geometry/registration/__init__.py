@@ -1,0 +1,1 @@
+"""Registration of a reference to a suspect."""

@@ -1,0 +1,1 @@
+"""PLY, as text and in both binary byte orders."""

@@ -1,0 +1,148 @@
+"""The data of a PLY file, as text or binary behind one interface: values at places.
+
+A place is a byte offset in a binary file and the index of a token in a text file.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshmark.errors import FormatError
+from meshmark.io.text.numbers import parse_floats, parse_ints
+from meshmark.io.text.tokens import Tokens
+from meshmark.mesh import IntArray
+
+__all__ = ["BinaryData", "PlyData", "TextData", "Type", "strided"]
+
+Type = np.dtype[Any]
+
+
+class PlyData(Protocol):
+    """Values at places from `begin` to `end`."""
+
+    @property
+    def begin(self) -> int:
+        """Return the first place."""
+        ...
+
+    @property
+    def end(self) -> int:
+        """Return the place after the last."""
+        ...
+
+    @property
+    def unit(self) -> tuple[str, str]:
+        """Return what one place is, and several are, for messages."""
+        ...
+
+    @property
+    def whole(self) -> bool:
+        """Whether the last value is there in full wherever the file may have been cut off."""
+        ...
+
+    def width(self, dtype: Type, /) -> int:
+        """Return how many places one value takes."""
+        ...
+
+    def count(self, place: int, dtype: Type, /) -> int:
+        """Return the list length at a place."""
+        ...
+
+    def values(self, places: IntArray, dtype: Type) -> NDArray[Any]:
+        """Return the (k,) values at ascending places."""
+        ...
+
+    def lists(self, places: IntArray, dtype: Type, members: int) -> NDArray[Any]:
+        """Return the (k, members) values of lists that begin at ascending places."""
+        ...
+
+
+def strided(
+    buffer: bytes | bytearray, places: IntArray, dtype: Type, members: int = 1
+) -> NDArray[Any] | None:
+    """Return a (k, members) view of the values at evenly spaced byte offsets, or None if they are not."""
+    stride = int(places[1] - places[0]) if len(places) > 1 else dtype.itemsize
+    if not len(places) or not (np.diff(places) == stride).all():
+        return None
+    return np.ndarray((len(places), members), dtype, buffer, int(places[0]), (stride, dtype.itemsize))
+
+
+@dataclass(frozen=True, eq=False)
+class BinaryData:
+    """Binary data; types carry the byte order."""
+
+    data: bytes
+    begin: int
+    end: int
+    unit: tuple[str, str] = ("byte", "bytes")
+    whole: bool = True
+
+    def width(self, dtype: Type) -> int:
+        """Return the bytes of one value."""
+        return dtype.itemsize
+
+    def count(self, place: int, dtype: Type) -> int:
+        """Return the list length at a place."""
+        order: Literal["big", "little"] = "big" if dtype.byteorder == ">" else "little"
+        return int.from_bytes(self.data[place : place + dtype.itemsize], order, signed=dtype.kind == "i")
+
+    def values(self, places: IntArray, dtype: Type) -> NDArray[Any]:
+        """Return the (k,) values at ascending places."""
+        return self.lists(places, dtype, 1)[:, 0]
+
+    def lists(self, places: IntArray, dtype: Type, members: int) -> NDArray[Any]:
+        """Return the (k, members) values of lists that begin at ascending places."""
+        view = strided(self.data, places, dtype, members)
+        if view is not None:
+            return view
+        size = dtype.itemsize * members
+        letters = np.frombuffer(self.data, dtype=np.uint8)[places[:, None] + np.arange(size)]
+        return np.asarray(letters.view(dtype).reshape(-1, members))
+
+
+@dataclass(frozen=True, eq=False)
+class TextData:
+    """Data as text."""
+
+    tokens: Tokens
+    begin: int = 0
+    unit: tuple[str, str] = ("word", "words")
+
+    @property
+    def whole(self) -> bool:
+        """Whether white space follows the last token: a number cut short has none."""
+        return self.tokens.closed
+
+    @property
+    def end(self) -> int:
+        """Return the number of tokens."""
+        return len(self.tokens.starts)
+
+    def width(self, _dtype: Type) -> int:
+        """Return 1: every value is one token."""
+        return 1
+
+    def count(self, place: int, _dtype: Type) -> int:
+        """Return the list length at a place."""
+        word = self.tokens.word(place)
+        try:
+            return int(word)
+        except ValueError:
+            raise FormatError(
+                f"line {self.tokens.line(place)} has '{word}' where a list length is expected"
+            ) from None
+
+    def values(self, places: IntArray, dtype: Type) -> NDArray[Any]:
+        """Return the (k,) values at ascending places."""
+        spans = self.tokens.starts[places], self.tokens.ends[places]
+        if dtype.kind == "f":
+            return parse_floats(self.tokens.text, *spans, finite=False)
+        return parse_ints(self.tokens.text, *spans)
+
+    def lists(self, places: IntArray, dtype: Type, members: int) -> NDArray[Any]:
+        """Return the (k, members) values of lists that begin at ascending places."""
+        return self.values((places[:, None] + np.arange(members)).ravel(), dtype).reshape(-1, members)

@@ -1,0 +1,1 @@
+"""STL, binary or as text."""

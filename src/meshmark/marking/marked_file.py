@@ -1,0 +1,79 @@
+"""From a file to a marked file that was read back before it took its name."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+
+from meshmark.authentication.payload.content import Content
+from meshmark.coding.keys import Key
+from meshmark.io import Staging, check_extension, check_recompression, read_mesh, uncompressed, write_mesh
+from meshmark.io.source import SourceFile
+from meshmark.marking.layers import embed
+from meshmark.marking.undo import sealed
+from meshmark.marking.verification import verify
+from meshmark.mesh import Mesh
+from meshmark.ownership.results import Embedding
+
+__all__ = ["embed_file"]
+
+
+def embed_file(
+    model: str | Path | Mesh,
+    out: str | Path,
+    key: Key,
+    id: int | None = None,
+    strength: str = "standard",
+    layers: str | None = None,
+    payload: Content = None,
+    tolerance: str | None = None,
+    *,
+    recompress: bool = False,
+    staging: Staging | None = None,
+) -> Embedding:
+    """Mark the model file `model`, or what was read from one, and write the result to `out`.
+
+    See `embed` for the arguments. recompress: whether a compressed glTF is written compressed as it was, not
+    uncompressed with a remark. The complete files are written under temporary names and read again, all layers
+    blind; only then do they take their places, or stay with `staging`, which moves them together with others.
+    `seconds` counts all of it. Raises what reading, embedding and writing raise, and `CapacityError` where a layer
+    is not found in the written file (a target format too coarse for the mark); nothing is left behind then.
+    """
+    start = perf_counter()
+    mesh = model if isinstance(model, Mesh) else read_mesh(model)
+    source = mesh.document.path if isinstance(mesh.document, SourceFile) else None
+    check_extension(Path(out), source)
+    if recompress:
+        check_recompression(mesh, Path(out))
+    result = embed(mesh, key, id=id, strength=strength, layers=layers, payload=payload, tolerance=tolerance)
+    seen: list[Mesh] = []
+
+    def read_back(written: Path) -> None:
+        seen.append(read_mesh(written))
+        if not _same(seen[0], result.mesh):  # `embed` has checked these very positions
+            verify(seen[0], key, result, Path(out).name, compressed=recompress)
+
+    report = write_mesh(result.mesh, out, verify=read_back, recompress=recompress, staging=staging)
+    remarks = result.remarks + uncompressed(report, Path(out))
+    if mesh.document is not None:
+        name = "the model" if source is None else source.name
+        remarks = tuple(f"{name}: {remark}" for remark in mesh.document.remarks) + remarks
+    if report.dropped:
+        remarks += (f"{Path(out).name} cannot hold the model's {', '.join(report.dropped)}",)
+    result = _as_written(result, mesh, seen[0], key)
+    return replace(result, seconds=perf_counter() - start, remarks=remarks)
+
+
+def _as_written(result: Embedding, original: Mesh, written: Mesh, key: Key) -> Embedding:
+    """Return the result with the certificate of the written file; no undo data where its vertices differ."""
+    same = original.vertices.shape == written.vertices.shape and np.array_equal(original.faces, written.faces)
+    seal = partial(sealed, original=original if same else None, marked=written, key=key, identity=result.id)
+    return replace(result, seal=seal)
+
+
+def _same(mesh: Mesh, other: Mesh) -> bool:
+    return np.array_equal(mesh.vertices, other.vertices) and np.array_equal(mesh.faces, other.faces)

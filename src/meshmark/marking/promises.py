@@ -1,0 +1,93 @@
+"""The roundings that a tolerance promises to bear, and whether a marked model does.
+
+Each but the turned one is the same function of a file whoever applies it: what is borne here is borne always.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import Final
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from meshmark.authentication.examination import examine
+from meshmark.coding.keys import Key
+from meshmark.marking.verification import authentic
+from meshmark.mesh import FloatArray, Mesh
+
+__all__ = ["ROUNDINGS", "broken_by"]
+
+Rounding = Callable[[FloatArray], FloatArray]
+# What changes no coordinate by more than this share of what the marks are made for is not tried.
+_HARMLESS: Final = 0.2
+
+
+def _turned(vertices: FloatArray) -> FloatArray:
+    """Turn, scale and move as 32-bit floats can hold it worst: small, and far from the origin."""
+    turn = Rotation.from_rotvec([0.7, -1.9, 1.1]).as_matrix()
+    diagonal = float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    small = (vertices - vertices.min(axis=0)) @ turn.T * 0.15
+    return _floats(small + diagonal * np.array([0.9, -0.8, 0.7]))
+
+
+def _floats(vertices: FloatArray) -> FloatArray:
+    """Round to 32-bit floats, but for what is beyond them."""
+    with np.errstate(over="ignore"):
+        rounded = vertices.astype(np.float32).astype(np.float64)
+    return np.where(np.isfinite(rounded), rounded, vertices)
+
+
+def _decimals(vertices: FloatArray) -> FloatArray:
+    return np.char.mod("%.6f", vertices).astype(np.float64)
+
+
+def _digits(vertices: FloatArray) -> FloatArray:
+    return np.char.mod("%.6g", vertices).astype(np.float64)
+
+
+def _on_grid(vertices: FloatArray, size: FloatArray, steps: float) -> FloatArray:
+    low = vertices.min(axis=0)
+    step = size / steps
+    index = np.rint((vertices - low) / np.where(step == 0.0, 1.0, step))
+    return np.where(step == 0.0, vertices, low + index * step)
+
+
+def _grid_of_axes(vertices: FloatArray) -> FloatArray:
+    return _on_grid(vertices, np.ptp(vertices, axis=0), 2.0**16 - 1.0)
+
+
+def _grid_of_side(vertices: FloatArray) -> FloatArray:
+    side = np.ptp(vertices, axis=0).max()
+    return _on_grid(vertices, np.full(3, side), 2.0**16 - 1.0)
+
+
+def _grid_of_cells(vertices: FloatArray) -> FloatArray:
+    return _on_grid(vertices, np.ptp(vertices, axis=0), 2.0**16)
+
+
+ROUNDINGS: Final[dict[str, tuple[Rounding, str]]] = {
+    "turned": (_turned, "turning, scaling and moving in 32-bit floats"),
+    "floats": (_floats, "32-bit floats"),
+    "decimals": (_decimals, "an export with six decimals"),
+    "digits": (_digits, "an export with six significant digits"),
+    "axes": (_grid_of_axes, "a grid of 16 bits on each axis"),
+    "cells": (_grid_of_cells, "a grid of 16 bits on each axis"),
+    "side": (_grid_of_side, "a grid of 16 bits on the longest side"),
+}
+"""Name of a rounding: what it does to vertices (n, 3), and what it is called."""
+
+
+def broken_by(mesh: Mesh, key: Key, identity: int, bears: Iterable[str], error: float) -> str | None:
+    """Return what the first of `ROUNDINGS`, of those named, is called after which a mesh is not authentic.
+
+    None where the marks bear them all. error: of a coordinate, that the marks are made for, in scene units.
+    """
+    for name in bears:
+        rounding, called = ROUNDINGS[name]
+        rounded = rounding(mesh.vertices)
+        if name != "turned" and np.abs(rounded - mesh.vertices).max() <= _HARMLESS * error:
+            continue
+        if not authentic(examine(mesh.with_vertices(rounded), key), identity):
+            return called
+    return None

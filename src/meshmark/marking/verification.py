@@ -1,0 +1,55 @@
+"""What is checked before a marked model is handed on: `authenticate` and `extract` say of it what they should."""
+
+from __future__ import annotations
+
+from meshmark.authentication.examination import Examination, examine
+from meshmark.coding.keys import Key
+from meshmark.errors import CapacityError
+from meshmark.mesh import Mesh
+from meshmark.ownership.extraction import extract
+from meshmark.ownership.results import Embedding
+
+__all__ = ["authentic", "verify"]
+
+
+def verify(
+    mesh: Mesh,
+    key: Key,
+    expected: Embedding,
+    where: str = "the marked model",
+    *,
+    compressed: bool = False,
+) -> None:
+    """Check that a mesh is authentic by its marks and carries the id, with the key alone.
+
+    Of a model with the id alone there must be no marks that would call it altered. expected: what was embedded;
+    where: name of what holds the mesh; compressed: it was compressed on request.
+    Raises `CapacityError` with a sentence about the layer that fails.
+    """
+    found = examine(mesh, key)
+    if compressed:
+        coarse = f"cannot be read back from {where} once it is compressed"
+        advice = ("leave --recompress out", "use --tolerance tolerant, or leave --recompress out")
+    else:
+        coarse = f"cannot be read back from {where}, whose format holds positions too coarsely"
+        same_format = "or the format of the input"
+        advice = (f"use --strength strong {same_format}", f"use --tolerance tolerant {same_format}")
+    identity = found.id
+    if expected.layers == "ownership":
+        if found.marked:
+            raise CapacityError(
+                "the model carries authentication marks of this key already, and beside a new id they would call "
+                "it altered; mark the unmarked original, or with --layers both"
+            )
+    elif not authentic(found, expected.id):
+        raise CapacityError(f"the marks of authentication {coarse}; {advice[1]}")
+    elif expected.layers == "both":
+        identity = extract(mesh, key).id
+    if identity != expected.id:
+        raise CapacityError(f"the id {coarse}; {advice[0]}")
+
+
+def authentic(found: Examination, identity: int) -> bool:
+    """Return whether `authenticate` calls a model authentic by its marks, and tells this id."""
+    intact = found.marked and not found.altered.any() and not found.points_missing
+    return intact and found.id == identity

@@ -1,0 +1,1 @@
+"""The ownership layer: an id that survives damage, embedded and read blind."""

@@ -1,0 +1,191 @@
+"""Smooth displacement fields that move many cells' offsets, and the frame, by chosen amounts.
+
+Displacements go along vertex normals, d = P D^-1 P' J' x with J the gradient of offsets and frame moments, P the
+B-splines of a grid finer than the lattice and D the surface under each: a sum of smooth bumps under the windows.
+Without P it would be the field of least energy, d = W^-1 J' x with W the vertex areas, whose kinks show
+(docs/decisions/0011).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.linalg as la
+import scipy.sparse as sp
+
+from meshmark.geometry.areas import area_vectors, vertex_areas_and_normals
+from meshmark.geometry.frame import surface_moments
+from meshmark.geometry.open_edges import sample_open_edges
+from meshmark.geometry.sampling import Sampler, Samples
+from meshmark.geometry.splines import spline_weights
+from meshmark.mesh import FloatArray, IntArray
+from meshmark.ownership.carriers.cells import Cells, border_gradient, cell_gradient
+from meshmark.ownership.carriers.lattice import Lattice
+from meshmark.ownership.parameters import LONGEST_SAMPLE
+
+__all__ = ["FRAME_ROWS", "Bumps", "frame_gradient", "frame_values", "symmetric"]
+
+FRAME_ROWS = 9
+_PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
+# Vertices of tiny area would jump far for little effect; all count at least this share of the mean.
+LEAST_AREA = 0.1
+# Where the surface is rougher than this curvature (over the canonical scale), moments hang on single vertices,
+# which would jump: they weigh more.
+STEEPEST = 40.0
+# A cell whose offset is tied to the others' to this degree cannot be set on its own.
+LEAST_FREEDOM = 0.05
+# A cell that costs this many times what most do (a window on an edge, or on few vertices) would take most of the
+# budget and show as a dent: it is left as it is, one wrong bit at worst half the time, which the code repairs.
+DEAREST = 6.0
+RIDGE = 1e-9
+# Knots of the B-splines, in spacings: wider ones make smoother bumps, which disturb marks of other keys more.
+PITCH = 0.2
+
+
+def frame_values(points: FloatArray, faces: IntArray) -> FloatArray:
+    """Return (9,): centroid and second moments (xx, yy, zz, xy, xz, yz) per unit area."""
+    _, centre, second = surface_moments(points, faces)
+    return np.concatenate([centre, [second[i, j] for i, j in _PAIRS]])
+
+
+def symmetric(values: FloatArray) -> FloatArray:
+    """Return the (3, 3) matrix of second moments (xx, yy, zz, xy, xz, yz)."""
+    xx, yy, zz, xy, xz, yz = values
+    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+
+def frame_gradient(points: FloatArray, faces: IntArray, normals: FloatArray) -> FloatArray:
+    """Return (9, p): change of `frame_values` per unit of motion along each point's normal.
+
+    Exact for flat triangles and `points` centred: of each face's integrals, area times mean of x or of x y, both
+    factors change. The mean of x y over a triangle is (sum of x y over corners + 9 x y of the middle) / 12.
+    """
+    vectors = area_vectors(points, faces)
+    areas = np.sqrt(np.einsum("ij,ij->i", vectors, vectors))
+    units = (vectors / np.where(areas > 0.0, areas, 1.0)[:, None]).T
+    corners = np.ascontiguousarray(faces.T)
+    ends = [axis.take(corners) for axis in np.ascontiguousarray(points.T)]
+    turns = [axis.take(corners) for axis in np.ascontiguousarray(normals.T)]
+    middles = [end.mean(axis=0) for end in ends]
+    means = [((ends[i] * ends[j]).sum(axis=0) + 9.0 * middles[i] * middles[j]) / 12.0 for i, j in _PAIRS]
+    total = areas.sum()
+    excess = [mean - (areas @ mean) / total for mean in means]
+    rows = np.zeros((FRAME_ROWS, len(points)))
+    for v in range(3):
+        growth = _area_growth(ends, [turn[v] for turn in turns], units, v)
+        motion = [areas * turn[v] for turn in turns]
+        changes = [growth * middles[i] + motion[i] / 3.0 for i in range(3)]
+        for value, (i, j) in zip(excess, _PAIRS, strict=True):
+            lever = motion[i] * (ends[j][v] + 3.0 * middles[j]) + motion[j] * (ends[i][v] + 3.0 * middles[i])
+            changes.append(growth * value + lever / 12.0)
+        for row, change in zip(rows, changes, strict=True):
+            row += np.bincount(corners[v], change, len(points))
+    return np.asarray(rows / total)
+
+
+def _area_growth(
+    ends: list[FloatArray], turn: list[FloatArray], units: FloatArray, corner: int
+) -> FloatArray:
+    """Return (m,): growth of each face's area as one corner moves along `turn`."""
+    across = [end[(corner + 1) % 3] - end[(corner + 2) % 3] for end in ends]
+    parts = [
+        turn[i] * (across[j] * units[k] - across[k] * units[j])
+        for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1))
+    ]
+    return np.asarray(0.5 * (parts[0] + parts[1] + parts[2]))
+
+
+class Bumps:
+    """The smooth displacements for n cells of one surface.
+
+    Lengths are in lattice coordinates, changes of frame values in canonical units, of offsets in spacings.
+    normals: (p, 3) in lattice axes.
+    free:   (n,) True for cells that can be set; the others are tied to their neighbours and left alone.
+    cost:   (f, f) energy of offset changes of the f free cells, the frame held.
+    """
+
+    def __init__(
+        self, sampler: Sampler, samples: Samples, cells: Cells, placed: FloatArray, lattice: Lattice
+    ) -> None:
+        faces = sampler.faces
+        areas, self.normals = vertex_areas_and_normals(placed, faces)
+        offsets = cell_gradient(samples, cells) @ sampler.normal_motion(samples, self.normals)
+        offsets = sp.csr_array(offsets + _border_part(placed, faces, self.normals, cells))
+        frame = frame_gradient(lattice.points(placed), faces, self.normals @ lattice.axes)
+        steep = np.abs(frame).max(axis=0) * areas.sum() / STEEPEST
+        weights = np.maximum(np.maximum(areas, LEAST_AREA * areas.mean()), steep) / areas.mean()
+        self._splines = spline_weights(placed, PITCH)
+        gradient = sp.vstack([sp.csr_array(lattice.spacing * frame), offsets], format="csr")
+        onto = sp.csr_array(self._splines.T @ gradient.T)
+        under = self._splines.T @ weights
+        self._heights = sp.csr_array(onto.multiply(1.0 / under[:, None]))
+        gram = (onto.T @ self._heights).toarray()
+        rows = _independent(gram, FRAME_ROWS)
+        inverse = _inverse(gram, rows)
+        if len(rows) > FRAME_ROWS:
+            cost = np.diag(inverse)
+            rows = rows[(rows < FRAME_ROWS) | (cost <= DEAREST * np.median(cost[FRAME_ROWS:]))]
+            inverse = _inverse(gram, rows)
+        self.free = np.zeros(len(cells.nodes), dtype=bool)
+        self.free[rows[FRAME_ROWS:] - FRAME_ROWS] = True
+        self._heights = self._heights[:, np.concatenate([np.full(FRAME_ROWS, True), self.free])]
+        self._inverse = inverse
+        self._frame_inverse = la.pinvh(gram[:FRAME_ROWS, :FRAME_ROWS], rtol=RIDGE)
+        self.cost = inverse[FRAME_ROWS:, FRAME_ROWS:]
+
+    def displacement(self, frame: FloatArray, offsets: FloatArray) -> FloatArray:
+        """Return (p,) lengths along the normals that change the frame values (9,) and free offsets (f,) so."""
+        amounts = self._inverse @ np.concatenate([frame, offsets])
+        return np.asarray(self._splines @ (self._heights @ amounts))
+
+    def settle(self, frame: FloatArray) -> FloatArray:
+        """Return (p,) lengths that change the frame values (9,) so; offsets may follow.
+
+        A gentle bend of the whole, where holding every offset as well would push at the few places without cells.
+        """
+        return np.asarray(self._splines @ (self._heights[:, :FRAME_ROWS] @ (self._frame_inverse @ frame)))
+
+
+def _border_part(points: FloatArray, faces: IntArray, normals: FloatArray, cells: Cells) -> sp.csr_array:
+    """Return (n, p): the part of the offsets' gradient that open edges add."""
+    edges = sample_open_edges(points, faces, LONGEST_SAMPLE)
+    parts = [
+        border_gradient(edges, np.eye(3)[axis], cells) @ edges.motion.multiply(normals[None, :, axis])
+        for axis in range(3)
+    ]
+    return sp.csr_array(parts[0] + parts[1] + parts[2])
+
+
+def _inverse(gram: FloatArray, rows: IntArray) -> FloatArray:
+    """Return the inverse of the chosen rows and columns of a Gram matrix."""
+    part = gram[np.ix_(rows, rows)]
+    # Scaled to a unit diagonal, and lifted by a trace of it: frame rows of symmetric surfaces may coincide.
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(part), np.finfo(float).tiny))
+    factor = la.cho_factor(part * np.outer(scale, scale) + RIDGE * np.eye(len(rows)))
+    return np.asarray(la.cho_solve(factor, np.eye(len(rows))) * np.outer(scale, scale))
+
+
+def _independent(gram: FloatArray, first: int) -> IntArray:
+    """Return in rising order the rows that a pivoted Cholesky factorisation takes while each adds freedom.
+
+    The first `first` rows are taken in any case, before the others.
+    """
+    rest = np.diag(gram).copy()
+    floor = LEAST_FREEDOM * rest
+    floor[:first] = RIDGE * rest[:first]
+    factor = np.zeros_like(gram)
+    chosen: list[int] = list(range(first))
+    available = rest > 0.0
+    for step in range(len(gram)):
+        excess = np.where(available, rest / np.where(floor > 0.0, floor, 1.0), 0.0)
+        pivot = step if step < first else int(np.argmax(excess))
+        available[pivot] = False
+        if excess[pivot] <= 1.0:
+            if step < first:
+                continue
+            break
+        if step >= first:
+            chosen.append(pivot)
+        column = (gram[:, pivot] - factor[:, :step] @ factor[pivot, :step]) / np.sqrt(rest[pivot])
+        factor[:, step] = column
+        rest = np.maximum(rest - column * column, 0.0)
+    return np.sort(chosen)

@@ -1,0 +1,103 @@
+"""Locking a few neighbouring cells first and growing from there (DESIGN section 4, lattice lock).
+
+A cluster of cells on one side of the model hardly feels a turn or a growth about its own centre: it is locked with
+thousands of times fewer corrections than all cells at once. The best are then held to wider and wider clusters,
+each of which leaves little to search in the next.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from meshmark.mesh import FloatArray, IntArray
+from meshmark.ownership.carriers.lock import Lock, LockSearch, grid_size
+
+__all__ = ["MOST_FIRST", "grown", "neighbourhoods"]
+
+# Cells in the first cluster, and by how much the next is larger.
+FIRST, GROWTH = 45, 2.2
+# Corrections tried at most in the first cluster and in the others.
+MOST_FIRST, MOST_NEXT = 400_000, 4_000
+# So many corrections of the first cluster are followed, where they stand out by so many standard deviations.
+KEPT, STANDS_OUT = 5, 5.5
+# On the grid the score is at least about this share of what it is at the top next to it.
+ON_GRID = 0.65
+# Clusters are tried around so many places.
+PLACES = 40
+RADIUS, NEXT_RADIUS = 2.5, 3.0
+
+
+def neighbourhoods(response: FloatArray, places: FloatArray, count: int) -> list[IntArray]:
+    """Return orders of the cells (n,), each by the distance from where a cluster takes few corrections.
+
+    The first takes fewest; of the next ones no first cluster shares a cell with those before.
+    response: (n, d) change of the phases per standard deviation of each part; places: (n, 3) of the cells.
+    """
+    if len(places) <= FIRST:
+        return [np.arange(len(places))]
+    centres = places[:: -(-len(places) // PLACES)]
+    orders = [np.argsort(((places - centre) ** 2).sum(axis=1), kind="stable") for centre in centres]
+    orders.sort(key=lambda order: grid_size(response[order[:FIRST]], RADIUS))
+    chosen: list[IntArray] = []
+    taken = np.zeros(len(places), dtype=bool)
+    for order in orders:
+        if len(chosen) < count and not taken[order[:FIRST]].any():
+            chosen.append(order)
+            taken[order[:FIRST]] = True
+    return chosen
+
+
+def grown(
+    psi: FloatArray,
+    gradient: FloatArray,
+    expected: FloatArray,
+    order: IntArray,
+    most: int = MOST_FIRST,
+) -> Lock | None:
+    """Return the best correction found, or None where the first cluster does not lock.
+
+    psi, gradient, expected: as in `LockSearch`; order: (n,) of the cells, those of the first cluster first (see
+    `neighbourhoods`); most: corrections tried in the first cluster.
+    `tried` of the result counts what all cells together could tell apart within the radius, so its score is that of
+    the best of so many.
+    """
+    response = gradient * expected
+    cluster = order[:FIRST]
+    search = LockSearch(psi[cluster], gradient[cluster], expected, RADIUS, most)
+    least = STANDS_OUT * np.sqrt(len(cluster) / 2.0)
+    rough = [lock for lock in search.rough(KEPT) if lock.score > ON_GRID * least]
+    locks = [lock for lock in search.polished(rough) if lock.score > least]
+    if not locks:
+        return None
+    best = max(
+        (_grow(psi, gradient, expected, order, lock.correction) for lock in locks),
+        key=lambda lock: lock.score,
+    )
+    return Lock(best.correction, best.score, grid_size(response, RADIUS))
+
+
+def _grow(
+    psi: FloatArray, gradient: FloatArray, expected: FloatArray, order: IntArray, place: FloatArray
+) -> Lock:
+    """Return the lock of all cells that a lock of the first few leads to."""
+    count = min(FIRST, len(order))
+    while True:
+        held = order[:count]
+        # What the cells so far leave open: the inverse of their information, with what was expected at first.
+        weight = np.maximum(np.cos(psi[held] + gradient[held] @ place), 0.0)
+        response = gradient[held] * expected
+        values, turn = np.linalg.eigh((response.T * weight) @ response + np.eye(len(expected)))
+        ways = expected[:, None] * (turn / np.sqrt(values))
+        count = min(int(count * GROWTH), len(order))
+        wider = order[:count]
+        search = LockSearch(
+            psi[wider] + gradient[wider] @ place,
+            gradient[wider] @ ways,
+            np.ones(len(values)),
+            NEXT_RADIUS,
+            MOST_NEXT,
+        )
+        (lock,) = search.polished(search.rough(1))
+        place = place + ways @ lock.correction
+        if count == len(order):
+            return Lock(place, lock.score, lock.tried)

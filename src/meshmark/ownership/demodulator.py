@@ -1,0 +1,43 @@
+"""The soft demodulator: from the phases of a reading to log-likelihood ratios of the bits (DESIGN section 5).
+
+LLR = cos(phase) times what the network makes of features that depend on doubled phases only. Without a mark the
+keyed dithers make each phase as likely as the same turned by pi, whatever all others are. That turn changes the
+sign of this one ratio and nothing else: *given all magnitudes the signs are fair coins*, as the bound of
+`Codec.decode` needs, however the network was trained.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+
+from meshmark.mesh import FloatArray
+from meshmark.network.perceptron import Perceptron
+from meshmark.network.weights import shipped_network
+from meshmark.ownership.carrier_features import FEATURES, carrier_features
+from meshmark.ownership.carriers.cells import Cells
+from meshmark.ownership.carriers.relief import Relief
+from meshmark.ownership.phase_correction import settled_phase
+
+__all__ = ["NETWORK", "demodulate"]
+
+NETWORK = "demodulator"
+
+
+def demodulate(
+    phase: FloatArray, cells: Cells, step: float, relief: Relief, network: Perceptron | None = None
+) -> FloatArray:
+    """Return log P(phase | 0) / P(phase | 1), (n,), of a reading's phases (n,) in radians.
+
+    step: quantisation step in spacings; relief: of the surface the cells were read off.
+    network: the shipped one by default.
+    """
+    settled = settled_phase(phase, cells, step, relief)
+    used = _shipped() if network is None else network
+    return np.asarray(np.cos(settled) * used(carrier_features(settled, cells, step, relief)))
+
+
+@cache
+def _shipped() -> Perceptron:
+    return shipped_network(NETWORK, FEATURES)

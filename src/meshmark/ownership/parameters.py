@@ -1,0 +1,152 @@
+"""The numbers of the ownership layer, each with its reason, on one screen."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+__all__ = [
+    "ALIKE",
+    "BUDGET_SHARE",
+    "CARRIER_ENOUGH",
+    "CARRIER_GOAL",
+    "CARRIER_MINIMUM",
+    "CARRIER_PLENTY",
+    "CARRIER_READABLE",
+    "CREDIBLE_LOG10",
+    "CROP_APART",
+    "CROP_CARRIERS",
+    "CROP_EXPECTED",
+    "CROP_FRAMES",
+    "CROP_SPACINGS",
+    "DECODE_LOG10",
+    "DIVERGED",
+    "EMBED_SELECTION",
+    "EXTRACT_SELECTION",
+    "GATHER",
+    "HOPELESS_BITS",
+    "HOPELESS_ERROR",
+    "LARGE_STEPS",
+    "LOCK_CANDIDATES",
+    "LOCK_EXPECTED",
+    "LOCK_RADIUS",
+    "LOCK_STEPS",
+    "LOCK_TURNS",
+    "LONGEST_SAMPLE",
+    "LOST_ERROR",
+    "MOMENT_GAP",
+    "ORIGINAL_SPACINGS",
+    "PRESENT_LOG10",
+    "PROVEN_LOG10",
+    "SOLVE_PASSES",
+    "SOLVE_TOLERANCE",
+    "SPACINGS",
+    "SPACING_ORDER",
+    "SPACING_TRIES",
+    "STEPS",
+    "STEP_TRIES",
+    "SURELY_SKEW",
+    "TYPICAL_STEP",
+    "preferred_spacings",
+]
+
+# Plan for a little less than the budget: the solve adds a few per cent while it converges.
+BUDGET_SHARE: Final = 0.95
+
+# Lattice spacings in units of the canonical scale. A fixed grid, because extraction must hit the very same one.
+SPACINGS: Final = 0.5 * 2.0 ** (-np.arange(19) / 4.0)
+# About so many cells have a patch of area spacing^2 each; fewer carry more energy per bit, more carry more bits.
+CARRIER_GOAL: Final = 300
+# A spacing with this many carriers is taken; else the one with most.
+CARRIER_ENOUGH: Final = 170
+# An extraction that saw so many takes the spacing for one of those: more, as an attack may have lost or added some.
+CARRIER_PLENTY: Final = 200
+# Below so many carriers of a 64-bit id no decoder can tell it from chance (decision 0004).
+CARRIER_MINIMUM: Final = 110
+# Nor is it tried where the cells that are read tell fewer bits than this by hard decisions (64 are needed): of the
+# lattices of small training models those that could be read told 64 and more, and none of eleven below 50.
+HOPELESS_BITS: Final = 50.0
+# Fewer carriers than this are not read at all: nothing could be told from them.
+CARRIER_READABLE: Final = 60
+# Spacings tried around the preferred one, nearest first; thin walls need finer ones.
+SPACING_ORDER: Final = (0, 1, 2, 3, -1, 4, 5, -2)
+
+# Embedding uses one of the first so many spacings that have carriers enough, or one with fewer carriers.
+SPACING_TRIES: Final = 3
+
+# Quantisation steps in spacings. Above the largest, bumps become visible and the solve nonlinear.
+STEPS: Final = 0.24 * 2.0 ** (-np.arange(25) / 4.0)
+
+# So many steps are tried from the largest affordable one down, every second of the grid.
+STEP_TRIES: Final = 3
+
+# A sample of the surface is no longer than this share of a spacing (quadrature error below 0.003 spacings).
+LONGEST_SAMPLE: Final = 0.25
+
+# Samples of a suspect's shapes are gathered in cubes of so many longest samples.
+GATHER: Final = 0.7
+
+# (mass, flatness, largest |offset|): the embedder shapes every cell that the extractor might select.
+EXTRACT_SELECTION: Final = (0.35, 0.70, 0.50)
+EMBED_SELECTION: Final = (0.28, 0.60, 0.60)
+
+# Second moments along different axes are kept apart by this share of their sum, so that the axes are defined.
+MOMENT_GAP: Final = 1e-3
+
+# A lock less likely than 10^this by chance is worth decoding.
+DECODE_LOG10: Final = -3.0
+# Axes whose moments differ by less than this turn so easily that they are held instead of followed.
+ALIKE: Final = 0.02
+# Newton passes at most, and the largest error, in steps, with which they may stop.
+SOLVE_PASSES: Final = 10
+SOLVE_TOLERANCE: Final = 0.03
+# A pass with so many times the best error so far is the last.
+DIVERGED: Final = 2.0
+# After three passes, a mean error of this many steps will not come down far enough any more.
+HOPELESS_ERROR: Final = 0.12
+# A cell further than this from its target, in steps, says nothing any more: a larger error is no worse.
+LOST_ERROR: Final = 0.25
+
+# Of the correction of a frame: standard deviation of shift (3), logarithm of scale, turn (3, radians), and how many
+# of these the search reaches out. Restored shapes under the attacks of DESIGN section 10 drift by 0.001 to 0.01.
+LOCK_EXPECTED: Final = np.array([0.005] * 4 + [0.006] * 3)
+LOCK_RADIUS: Final = 3.0
+# Steps that a search tries: those that embeddings of any strength use.
+LOCK_STEPS: Final = tuple(float(step) for step in STEPS[:16])
+# A step such as standard marks have: clusters of cells are chosen by it.
+TYPICAL_STEP: Final = 0.1
+# So many corrections of a reading are decoded.
+LOCK_CANDIDATES: Final = 2
+# A lock less likely than 10^this by chance, over its own search, is worth measuring anew where it puts the model.
+CREDIBLE_LOG10: Final = -0.5
+# Frames that a cropped model may have had, so far apart (RMS motion over scale); the standard deviation of what is
+# left to find of each part of the correction.
+CROP_APART: Final = 0.035
+CROP_EXPECTED: Final = np.array([0.014] * 3 + [0.011] + [0.016] * 3)
+# So many of these frames are tried, locked from a first cluster of cells, then from a second.
+CROP_FRAMES: Final = {"quick": (60, 20), "wide": (160, 60)}
+# Spacings with so many carriers left may be that of the whole; the first few are tried.
+CROP_CARRIERS: Final = 130
+CROP_SPACINGS: Final = 2
+# The largest so many steps are tried: those of standard and strong marks.
+LARGE_STEPS: Final = 9
+# With the original at hand, so many spacings are read in each of its frames.
+ORIGINAL_SPACINGS: Final = 3
+# So many turns of a frame are searched, where the search is to be quick.
+LOCK_TURNS: Final = 2
+# An axis more skew than this is not turned round by an attack.
+SURELY_SKEW: Final = 0.03
+
+# "present" needs a false-positive bound below 10^this over everything that was tried.
+PRESENT_LOG10: Final = -6.0
+# Where the lock alone is that unlikely, an id is named if its word agrees so well by chance only (decision 0004): a
+# tenth of the bound above, as several readings of one mark are decoded.
+PROVEN_LOG10: Final = -7.0
+
+
+def preferred_spacings(area: float) -> list[float]:
+    """Spacings to try for a surface of this canonical area, likeliest first."""
+    best = int(np.argmin(np.abs(np.log(SPACINGS) - 0.5 * np.log(area / CARRIER_GOAL))))
+    indices = [best + turn for turn in SPACING_ORDER]
+    return [float(SPACINGS[i]) for i in indices if 0 <= i < len(SPACINGS)]

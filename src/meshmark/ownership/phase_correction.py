@@ -1,0 +1,92 @@
+"""What is left of smoothing, noise and a wrong frame in a reading, taken off its phases.
+
+After the lattice lock the offsets still err together: where smoothing was undone a little too far or too short,
+by a multiple of each cell's bending. A few such multiples are fitted to the doubled phases, as the lock is.
+"""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+
+from meshmark.mesh import FloatArray
+from meshmark.ownership.carriers.cells import Cells
+from meshmark.ownership.carriers.quantisation import lock_score
+from meshmark.ownership.carriers.relief import Relief
+
+__all__ = ["settled", "settled_phase", "shifts"]
+
+# What is expected of each part of the correction: so many radians RMS over the cells for a part of the pose, and
+# for a part of the bending where it has its typical size.
+POSE_EXPECTED = 0.2
+BENDING_EXPECTED = 1.0
+# An answer of more than so many typical sizes is cut: it is not linear so far.
+LARGEST = 4.0
+TINY = 1e-9
+STEPS = 15
+# Bending is sought from these starts, in typical sizes, with what each must better the lock by, in standard
+# deviations of the lock without a mark: less is chance.
+STARTS = tuple((start, 2.0 if any(start) else 0.5) for start in product((0.0, -1.2, 1.2), repeat=2))
+
+
+def settled_phase(phase: FloatArray, cells: Cells, step: float, relief: Relief) -> FloatArray:
+    """Return the phases (n,) with small errors common to many cells taken off.
+
+    The correction depends on doubled phases only: phases turned by pi give corrected phases turned by pi.
+    """
+    if not len(phase):
+        return phase
+    pose, bending = shifts(cells), relief.bending
+    pose = pose / (np.sqrt(np.mean(pose**2, axis=0)) + TINY)
+    typical = 1.5 * np.median(np.abs(bending), axis=0)  # a normal distribution's standard deviation
+    bending = np.clip(bending / (typical + TINY * step), -LARGEST, LARGEST)
+    response = np.hstack([POSE_EXPECTED * pose, BENDING_EXPECTED * bending])
+    deviation = float(np.sqrt(len(phase) / 2.0))
+    best, best_score = phase, float(lock_score(phase))
+    for start, margin in STARTS:
+        turned = phase + bending @ np.array(start)
+        turned = turned + response @ settled(2.0 * turned, 2.0 * response, np.ones(response.shape[1]))
+        score = float(lock_score(turned)) - margin * deviation
+        if score > best_score:
+            best, best_score = turned, score
+    return np.asarray(best)
+
+
+def shifts(cells: Cells) -> FloatArray:
+    """Return (n, 7): change of each offset under shift, scale and turn about the cells' middle, in spacings."""
+    place = cells.nodes + cells.offset[:, None] * cells.normal
+    place = place - (place.mean(axis=0) if len(place) else 0.0)
+    along = np.einsum("ij,ij->i", cells.normal, place)
+    return np.column_stack([cells.normal, along, np.cross(place, cells.normal)])
+
+
+def settled(psi: FloatArray, response: FloatArray, expected: FloatArray) -> FloatArray:
+    """Return the correction y (d,) near 0 that maximises sum cos(psi + response y) - |y / expected|^2 / 2.
+
+    psi: (n,) doubled phases; response: (n, d) their change per unit; expected: (d,) standard deviations of y.
+    """
+    held = 1.0 / expected**2
+    best = np.zeros(len(expected))
+    damping, value = 1e-2, -np.inf
+    turned = psi
+    for _ in range(STEPS):
+        # Where a cosine is low its curvature points the wrong way; a little is kept.
+        weight = np.maximum(np.cos(turned), 0.1)
+        hessian = (response.T * weight) @ response + np.diag(held)
+        value = max(value, _value(turned, best, held))
+        slope = -response.T @ np.sin(turned) - held * best
+        moved = best + np.linalg.solve(hessian + damping * np.diag(np.diag(hessian)), slope)
+        ahead = psi + response @ moved
+        gain = _value(ahead, moved, held) - value
+        if gain > 0.0:
+            best, turned, value, damping = moved, ahead, value + gain, damping / 3.0
+        else:
+            damping *= 5.0
+        if 0.0 < gain < 1e-6 * len(psi):
+            break
+    return best
+
+
+def _value(turned: FloatArray, correction: FloatArray, held: FloatArray) -> float:
+    return float(np.cos(turned).sum() - 0.5 * held @ correction**2)

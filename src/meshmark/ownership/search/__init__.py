@@ -1,0 +1,1 @@
+"""Search strategies: where in a suspect the mark may be read."""

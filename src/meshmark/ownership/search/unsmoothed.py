@@ -1,0 +1,157 @@
+"""Readings of a coarse suspect that was smoothed, with what common tools do taken back exactly.
+
+On a coarse mesh the mark lives in frequencies that no low-pass may touch. But smoothing by neighbours' means
+multiplies each frequency x of the mesh by (1 - s x)^n, s its strength and n its passes, and that has an inverse:
+nothing is missing then but what rounding lost. Half a pass too many spoils it, so each number of passes that people
+are likely to choose is tried (docs/decisions/0013).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import islice
+from typing import Final
+
+import numpy as np
+
+from meshmark.coding.keys import Key
+from meshmark.geometry.adjacency import unique_edges
+from meshmark.geometry.areas import face_areas
+from meshmark.geometry.frame import Frame, frame_alternatives
+from meshmark.geometry.sampling import plan_samples
+from meshmark.geometry.scale_space import random_walk, spectral_filters
+from meshmark.geometry.weld import Welded
+from meshmark.mesh import FloatArray, IntArray
+from meshmark.ownership.carriers.lattice import Lattice
+from meshmark.ownership.carriers.pose import Pose
+from meshmark.ownership.carriers.quantisation import bit_phase, lock_score, log10_lock_chance
+from meshmark.ownership.parameters import (
+    CARRIER_PLENTY,
+    CARRIER_READABLE,
+    CREDIBLE_LOG10,
+    LOCK_STEPS,
+    LOCK_TURNS,
+    LONGEST_SAMPLE,
+    SPACING_ORDER,
+    SPACING_TRIES,
+    SURELY_SKEW,
+    preferred_spacings,
+)
+from meshmark.ownership.search.reading import Reading, read_cells
+from meshmark.ownership.search.shapes import Shapes
+
+__all__ = ["unsmoothed_readings"]
+
+# A mesh with more points is no coarse one: what `restoration.py` undoes is enough there.
+COARSE: Final = 12_000
+# What may have been done: shares of the way to the neighbours' mean, one after another, and how many times that.
+SMOOTHINGS: Final[dict[tuple[float, ...], tuple[int, ...]]] = {
+    (0.1,): (1, 2, 3, 5, 10, 15, 20, 30, 50),
+    (0.5,): (1, 2, 3, 4, 5, 6),
+    (0.5, -0.53): (1, 2, 3, 5, 10),  # Taubin's, doi:10.1145/218380.218473
+}
+# A frequency of which less is left than this is held back: a tenth of what is left of the frequency 1.95 (of at
+# most 2), but between these shares; nothing is where more is left of all frequencies.
+FAINTEST, FAINT, HIGH = 1e-5, 1e-2, 1.95
+TERMS: Final = 300
+# Where more is undone than was done the surface gets rough. One of so many times the area was never the model.
+ROUGHEST: Final = 6.0
+# So many shapes, spacings and steps are tried at most, and so many turns of each: two, or with axes exchanged all.
+TRIED: Final = sum(map(len, SMOOTHINGS.values())) * len(SPACING_ORDER) * len(LOCK_STEPS)
+TURNS: Final = {False: LOCK_TURNS, True: 24}
+
+
+@dataclass(frozen=True, eq=False)
+class _Guess:
+    """A shape that the suspect may have had, in a frame, and how unlikely its lock is at this spacing and step."""
+
+    log10_chance: float
+    points: FloatArray
+    frame: Frame
+    spacing: float
+    step: float
+
+    def read(self, faces: IntArray, key: Key, code_length: int, hypotheses: float) -> Reading:
+        """Measure the shape anew, with all samples instead of gathered ones."""
+        lattice = Lattice.keyed(key, self.spacing)
+        canonical = self.frame.to_canonical(self.points)
+        samples = plan_samples(canonical, faces, LONGEST_SAMPLE * self.spacing)(canonical)
+        cells = read_cells(samples, lattice, Pose.turned(np.eye(3)))
+        keys = lattice.keys(cells.nodes, code_length)
+        phase = bit_phase(cells.offset, keys.dither, self.step)
+        return Reading.of(self.spacing, self.step, cells, keys, phase, hypotheses)
+
+
+def unsmoothed_readings(
+    surface: Welded,
+    key: Key,
+    code_length: int,
+    tickets: Iterator[int],
+    wide: bool = False,
+    spacings: Sequence[float] | None = None,
+) -> Iterator[Reading]:
+    """Yield each reading whose lock is credible, of all that may have been done; none of a mesh that is not coarse.
+
+    tickets: numbers of readings, which all share one bound.
+    """
+    if len(surface.points) > COARSE:
+        return
+    shapes, tried = Shapes(surface), TRIED * TURNS[wide]
+    for points in _before(surface):
+        for guess in _guesses(shapes, points, key, code_length, wide, spacings):
+            if guess.log10_chance + np.log10(tried) < CREDIBLE_LOG10:
+                number = next(tickets)
+                yield guess.read(surface.faces, key, code_length, float(number * (number + 1) * tried))
+
+
+def _before(surface: Welded) -> Iterator[FloatArray]:
+    """Yield the shapes (p, 3) that the suspect may have had before."""
+    walk = random_walk(surface.points, unique_edges(surface.faces))
+    centre = surface.points.mean(axis=0)
+    filters = [_inverse(shares, n) for shares, passes in SMOOTHINGS.items() for n in passes]
+    area = face_areas(surface.points, surface.faces).sum()
+    for part in spectral_filters(walk, surface.points - centre, filters, TERMS):
+        if face_areas(part, surface.faces).sum() < ROUGHEST * area:
+            yield centre + part
+
+
+def _inverse(shares: Sequence[float], passes: int) -> Callable[[FloatArray], FloatArray]:
+    """Return the inverse of so many passes; where they leave next to nothing it is held back."""
+
+    def left(x: FloatArray) -> FloatArray:
+        return np.asarray(np.prod([(1.0 - share * x) ** passes for share in shares], axis=0))
+
+    high, highest = left(np.array([HIGH, 2.0]))
+    least = 0.0 if highest > FAINT else float(np.clip(0.1 * high, FAINTEST, FAINT))
+    return lambda x: left(x) / (left(x) ** 2 + least**2)
+
+
+def _guesses(
+    shapes: Shapes,
+    points: FloatArray,
+    key: Key,
+    code_length: int,
+    wide: bool,
+    spacings: Sequence[float] | None,
+) -> Iterator[_Guess]:
+    """Yield the best step of a shape for each spacing and turn that an embedding may have used."""
+    frame = shapes.frame(points)
+    turns = list(frame_alternatives(frame, wide, SURELY_SKEW))
+    rich = 0
+    for spacing in preferred_spacings(frame.area) if spacings is None else spacings:
+        lattice = Lattice.keyed(key, spacing)
+        count = 0
+        for turned in islice(turns, TURNS[wide]):
+            cells = shapes.carriers(points, lattice, turned)
+            count = len(cells.nodes)
+            if count < CARRIER_READABLE:
+                break
+            dither = lattice.keys(cells.nodes, code_length).dither
+            scores = lock_score(bit_phase(cells.offset, dither, np.array(LOCK_STEPS)[:, None]))
+            best = int(scores.argmax())
+            chance = log10_lock_chance(float(scores[best]), count)
+            yield _Guess(chance, points, turned, spacing, LOCK_STEPS[best])
+        rich += count >= CARRIER_PLENTY
+        if rich == SPACING_TRIES:
+            return

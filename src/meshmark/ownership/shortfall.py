@@ -1,0 +1,106 @@
+"""Why a model cannot carry the id, from what was counted on its surface, and what would help."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshmark.geometry.areas import face_areas
+from meshmark.mesh import FloatArray, IntArray
+from meshmark.ownership.carriers.cells import PLANE_MASS, Cells
+from meshmark.ownership.parameters import CARRIER_MINIMUM, EXTRACT_SELECTION
+
+__all__ = ["Surroundings", "surroundings_of", "why_not"]
+
+_SUBDIVIDE = "subdividing it once or twice first helps"
+_STRONGER = {"subtle": "standard", "standard": "strong"}
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """What the cells of a lattice see of a surface.
+
+    folded: share of the surface, 0 to 1, in cells where faces point in too many directions; scattered: share in
+    cells that hold too little surface. doubled: share in faces that are there more than once, as those of models
+    with an inner and an outer side are. longest: mean over the surface of the longest edge of a face, in spacings.
+    """
+
+    folded: float
+    scattered: float
+    doubled: float
+    longest: float
+
+
+def surroundings_of(cells: Cells, placed: FloatArray, faces: IntArray) -> Surroundings:
+    """Measure a surface with points `placed` (p, 3) in lattice coordinates, seen by all its cells."""
+    mass, flatness, offset = EXTRACT_SELECTION
+    surface = cells.mass * PLANE_MASS / cells.flatness
+    folded = cells.flatness <= flatness
+    # Of a cell beside the surface another one has the surface in its middle.
+    counted = folded | (np.abs(cells.offset) < offset)
+    total = max(float(surface[counted].sum()), np.finfo(float).tiny)
+    scattered = counted & ~folded & (cells.mass <= mass)
+    corners = placed[faces]
+    edges = np.sqrt(((corners - np.roll(corners, 1, axis=1)) ** 2).sum(axis=2)).max(axis=1)
+    areas = face_areas(placed, faces)
+    return Surroundings(
+        float(surface[folded].sum()) / total,
+        float(surface[scattered].sum()) / total,
+        _mean(_repeated(faces).astype(np.float64), areas),
+        _mean(edges, areas),
+    )
+
+
+def _repeated(faces: IntArray) -> NDArray[np.bool_]:
+    """Return (m,): which faces have the same three points as another one."""
+    _, place, times = np.unique(np.sort(faces, axis=1), axis=0, return_inverse=True, return_counts=True)
+    return np.asarray(times[place.reshape(-1)] > 1)
+
+
+def _mean(values: FloatArray, areas: FloatArray) -> float:
+    return float(values @ areas) / max(float(areas.sum()), np.finfo(float).tiny)
+
+
+def why_not(found: Surroundings, carriers: int, capacity: int, strength: str, tried: bool) -> str:
+    """Return the sentence of a refusal.
+
+    carriers: cells that can be set, of `capacity` that an extraction reads; tried: with marks that were not read.
+    """
+    text = f"the model cannot carry 64 bits at strength {strength}: it needs about {CARRIER_MINIMUM} carriers"
+    if capacity < CARRIER_MINIMUM:
+        return f"{text} (even patches of the surface), has {capacity}; {_uneven(found)}"
+    if not tried:
+        return (
+            f"{text} that can be set, has {carriers} among {capacity}; {_long(found)}, {_SUBDIVIDE}, more strength "
+            "does not"
+        )
+    text = f"{text} that hold their bits, has {carriers} of which too few do"
+    if found.longest > 1.0:
+        text += f"; {_long(found)}, {_SUBDIVIDE}"
+    stronger = _STRONGER.get(strength)
+    return f"{text}; --strength {stronger} was not tried" if stronger else text
+
+
+def _uneven(found: Surroundings) -> str:
+    if found.doubled > 0.5:
+        return (
+            f"{found.doubled:.0%} of the surface is there twice, with faces that point both ways; removing the "
+            "doubled faces helps, more strength does not"
+        )
+    if found.folded >= found.scattered:
+        return (
+            f"{found.folded:.0%} of the surface has faces that point every way within one patch, as foliage, thin "
+            "sheets and close assemblies have; marking its smooth parts alone may help, more strength does not"
+        )
+    return (
+        f"{found.scattered:.0%} of the surface is in parts too small or too narrow for a patch; marking its larger "
+        "parts alone may help, more strength does not"
+    )
+
+
+def _long(found: Surroundings) -> str:
+    if found.longest > 1.0:
+        return f"its triangles are {found.longest:.1f} times as long as a patch is wide"
+    return "it has too few points for them"

@@ -1,0 +1,43 @@
+"""How far a miniature may be trusted: what it would make of parts that nobody altered."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import breadth_first_order
+
+from meshmark.mesh import FloatArray, IntArray
+from meshmark.recovery.moved_points import Drawing, spreads
+
+__all__ = ["known_errors"]
+
+# So many intact parts are looked at, of so many points at most: of larger ones few points are near a rim.
+PROBES, LARGEST = 24, 4096
+
+
+def known_errors(
+    points: FloatArray,
+    graph: csr_array,
+    intact: IntArray,
+    mini: tuple[FloatArray, IntArray],
+    sizes: IntArray,
+) -> FloatArray:
+    """Return (k,): the median RMS distance at which intact parts of `sizes` (k,) points lie off the miniature.
+
+    It is corrected by the rims of these parts as it is by those of altered ones (`Drawing`), so this is what is
+    left where an altered part is back in place. points: (p, 3); graph: (p, p) adjacency; intact: (i,) points;
+    mini: points and faces in the same coordinates.
+    """
+    inside, places = csr_array(graph[intact][:, intact]), points[intact]
+    classes = np.minimum(2 ** np.round(np.log2(np.maximum(sizes, 1))).astype(np.int64), LARGEST)
+    errors = np.zeros(len(sizes))
+    for size in np.unique(classes):
+        count = int(np.clip(len(intact) // (2 * size), 1, PROBES))
+        probe = np.full(len(intact), -1)
+        for number, seed in enumerate(np.arange(count) * (len(intact) // count)):
+            near = breadth_first_order(inside, int(seed), directed=False, return_predecessors=False)
+            probe[near[:size]] = number
+        drawing = Drawing(places, np.empty((0, 3), np.int64), inside, probe >= 0, mini)
+        off = spreads(probe[probe >= 0], drawing.off() ** 2, count)
+        errors[classes == size] = float(np.median(off[np.unique(probe[probe >= 0])]))
+    return errors

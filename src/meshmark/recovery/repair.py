@@ -1,0 +1,171 @@
+"""Recovery of a model with altered parts from its miniature (DESIGN section 8)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
+
+from meshmark.errors import InputError
+from meshmark.geometry.adjacency import adjacency, unique_edges
+from meshmark.geometry.areas import area_vectors
+from meshmark.geometry.closest_point import SurfaceIndex
+from meshmark.geometry.weld import Welded
+from meshmark.mesh import FloatArray, IntArray
+from meshmark.recovery.borders import border_edges
+from meshmark.recovery.expected_error import known_errors
+from meshmark.recovery.hole_filling import fill_holes
+from meshmark.recovery.lost_components import with_lost_shells
+from meshmark.recovery.miniature import read_miniature
+from meshmark.recovery.miniature_placement import place_miniature
+from meshmark.recovery.moved_points import Drawing, spreads
+
+__all__ = ["Recovered", "recover"]
+
+# A part of its own that lies off the miniature by less than this share of what the intact part does is as it was;
+AS_IT_WAS = 0.7
+# one that hangs together with the rest where it is off by so many times what intact parts of its size are. From the
+# other number on it goes all the way back, below less far (Wiener's share), as the miniature may be as wrong.
+UNTOLD, SURE = 1.1, 3.0
+# A part is cut out where it cannot be drawn back: this share of its faces turn over.
+TURNED = 0.1
+# A part is the rim of a hole that has more than this share of its points on a border.
+RIM = 0.15
+MOST_JUDGES = 20_000
+
+
+@dataclass(frozen=True, eq=False)
+class Recovered:
+    """A recovered surface of q points.
+
+    points: (q, 3); faces: (m, 3). origin: (q,) the point of the suspect that each one was, -1 for one that is new.
+    moved: (q,) whether a point that was there lies elsewhere; added: (m,) whether a face is new. left: how many
+    altered parts stay as they are, since the miniature is itself off by about as much.
+    """
+
+    points: FloatArray
+    faces: IntArray
+    origin: IntArray
+    moved: NDArray[np.bool_]
+    added: NDArray[np.bool_]
+    left: int
+
+
+def recover(
+    suspect: Welded, altered: NDArray[np.bool_], miniature: bytes, *, missing: bool = False
+) -> Recovered:
+    """Return the suspect with its altered parts as the miniature has them; what is not altered stays bit by bit.
+
+    altered: (p,) of the suspect's points. Moved parts are drawn back; parts of their own, and those that cannot be
+    drawn back, are cut out; holes are filled. missing: points are known to be gone, so shells of which nothing is
+    left are put back. Raises `InputError` where the mask does not match the suspect, and
+    where the miniature is damaged or does not fit the rest.
+    """
+    if altered.shape != (len(suspect.points),):
+        raise InputError(f"{len(altered)} points are called altered or not, expected {len(suspect.points)}")
+    places, mini_faces = read_miniature(miniature)
+    used = np.zeros(len(suspect.points), bool)
+    used[suspect.faces] = True
+    intact = np.flatnonzero(used & ~altered)
+    pose = place_miniature((places, mini_faces), suspect.points, suspect.faces, intact)
+    mini = (pose(places), mini_faces)
+    points, cut, torn, left = _drawn_back(suspect, altered & used, intact, mini)
+    out = cut[suspect.faces].any(axis=1)
+    torn[suspect.faces[out]] = True
+    filled = fill_holes(points, suspect.faces[~out], altered | torn, torn, mini)
+    places = _blended(filled.points, filled.faces, len(points), mini)
+    faces = filled.faces
+    if missing:
+        off = SurfaceIndex(*mini).nearest(suspect.points[_few(intact)]).distances
+        places, faces = with_lost_shells(places, faces, mini, float(np.sqrt(np.mean(off**2))))
+    return _result(suspect, places, faces, int((~out).sum()), used, left)
+
+
+def _blended(points: FloatArray, faces: IntArray, old: int, mini: tuple[FloatArray, IntArray]) -> FloatArray:
+    """Return the points, those of the filling smoothed into the surface around it."""
+    new = np.arange(len(points)) >= old
+    if not new.any():
+        return points
+    graph = adjacency(unique_edges(faces), len(points))
+    return Drawing(points, faces, graph, new, mini).smoothed(new, points)
+
+
+def _drawn_back(
+    suspect: Welded, altered: NDArray[np.bool_], intact: IntArray, mini: tuple[FloatArray, IntArray]
+) -> tuple[FloatArray, NDArray[np.bool_], NDArray[np.bool_], int]:
+    """Return the points after each altered part was drawn back, which ones are to be cut out, rims of holes, and
+    how many parts stay as they are.
+
+    A part that is mostly border is what is left around a hole, which nobody moved. What differs by no more than the
+    miniature itself is off stays as it is.
+    """
+    graph = adjacency(unique_edges(suspect.faces), len(suspect.points))
+    part = _parts(graph, altered)
+    drawing = Drawing(suspect.points, suspect.faces, graph, altered, mini)
+    usual = float(np.sqrt(np.mean(drawing.index.nearest(suspect.points[_few(intact)]).distances ** 2)))
+    size = np.bincount(part[altered], minlength=int(part.max(initial=-1)) + 1)
+    spread = spreads(part[altered], drawing.off() ** 2, len(size))
+    known = known_errors(suspect.points, graph, intact, mini, size)
+    tied = np.zeros(len(size), bool)
+    tied[part[altered & (np.asarray(graph @ (~altered).astype(float)) > 0.0)]] = True
+    border = np.zeros(len(altered), bool)
+    border[border_edges(suspect.faces)] = True
+    rim = np.bincount(part[altered], border[altered], len(size)) > RIM * size
+    keep = np.where(tied, spread <= UNTOLD * known, spread <= AS_IT_WAS * usual) | (rim & tied)
+    moving = altered & (~keep & tied)[part]
+    told = 1.0 - (known / np.maximum.reduce([spread, known, np.full(len(size), 1e-300)])) ** 2
+    told = np.clip(told / (1.0 - SURE**-2), 0.0, 1.0)
+    points = suspect.points + told[part][:, None] * (drawing.draw(moving) - suspect.points)
+    turned = _turned(points, suspect.faces, moving, drawing.index, mini)
+    share = np.bincount(part[altered], turned[altered], len(size)) / np.maximum(size, 1)
+    cut = altered & ((~keep & ~tied) | (share > TURNED))[part]
+    left = int((keep & tied & ~rim & (size > 0)).sum())
+    return np.where((moving & ~cut)[:, None], points, suspect.points), cut, altered & rim[part], left
+
+
+def _few(intact: IntArray) -> IntArray:
+    return intact[:: max(len(intact) // MOST_JUDGES, 1)]
+
+
+def _parts(graph: csr_array, altered: NDArray[np.bool_]) -> IntArray:
+    """Return (p,): the number of the connected part of the altered points, 0 also for the others."""
+    rows = np.flatnonzero(altered)
+    part = np.zeros(len(altered), np.int64)
+    if len(rows):
+        part[rows] = connected_components(graph[rows][:, rows], directed=False)[1]
+    return part
+
+
+def _turned(
+    points: FloatArray,
+    faces: IntArray,
+    moving: NDArray[np.bool_],
+    index: SurfaceIndex,
+    mini: tuple[FloatArray, IntArray],
+) -> FloatArray:
+    """Return (p,): the share of the faces at each moving point that face away from the miniature."""
+    some = np.flatnonzero(moving[faces].any(axis=1))
+    if not len(some):
+        return np.zeros(len(points))
+    nearest = index.nearest(points[faces[some]].mean(axis=1)).faces
+    away = np.einsum("ij,ij->i", area_vectors(points, faces[some]), area_vectors(*mini)[nearest]) < 0.0
+    total = np.bincount(faces[some].ravel(), minlength=len(points))
+    turned = np.bincount(faces[some].ravel(), np.repeat(away, 3), len(points))
+    return np.asarray(turned / np.maximum(total, 1))
+
+
+def _result(
+    suspect: Welded, points: FloatArray, faces: IntArray, old: int, used: NDArray[np.bool_], left: int
+) -> Recovered:
+    kept = np.zeros(len(points), bool)
+    kept[: len(used)] = ~used  # loose points stay
+    kept[faces] = True
+    origin = np.where(np.arange(len(points)) < len(used), np.arange(len(points)), -1)[kept]
+    places = points[kept]
+    moved = np.zeros(len(places), bool)
+    there = origin >= 0
+    moved[there] = (places[there] != suspect.points[origin[there]]).any(axis=1)
+    return Recovered(places, (np.cumsum(kept) - 1)[faces], origin, moved, np.arange(len(faces)) >= old, left)

@@ -1,0 +1,1 @@
+"""The engine: suites, jobs, worker processes, and the store of results."""

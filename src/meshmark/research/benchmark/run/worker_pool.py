@@ -1,0 +1,132 @@
+"""Worker processes, each in a pool of its own: a job that crashes or hangs takes nobody with it."""
+
+from __future__ import annotations
+
+import signal
+from concurrent.futures import FIRST_COMPLETED, Future, wait
+from concurrent.futures.process import BrokenProcessPool
+from multiprocessing import get_all_start_methods, get_context
+from typing import TYPE_CHECKING, Any
+
+from meshmark.errors import InputError
+from meshmark.research.benchmark.run.job import Job, Outcome
+from meshmark.research.benchmark.run.worker import Setup, begin, work
+
+if TYPE_CHECKING:
+    from pebble import ProcessPool
+
+__all__ = ["Crew"]
+
+# A worker can also be ended from outside, so a job is lost only when it loses its worker this often.
+_TRIES = 3
+# Seconds between looks at pools that say nothing.
+_PATIENCE = 1.0
+
+
+class Crew:
+    """So many workers; `submit` gives a job to a free one, `finished` waits for results. A context manager.
+
+    Raises `InputError` where pebble is missing.
+    """
+
+    def __init__(self, workers: int, setup: Setup, time_limit: float) -> None:
+        """Make the crew; each worker starts with its first job, which may take `time_limit` seconds."""
+        try:
+            import pebble  # noqa: F401
+        except ImportError:
+            raise InputError("benchmarks need pebble: pip install meshmark[bench]") from None
+        self.setup, self.time_limit = setup, time_limit
+        # Children come from a process with one thread, which has imported what they need.
+        method = "forkserver" if "forkserver" in get_all_start_methods() else "spawn"
+        self._context: Any = get_context(method)
+        if method == "forkserver":
+            self._context.set_forkserver_preload(["meshmark.research.benchmark.run.worker"])
+        self._free: list[ProcessPool | None] = [None] * workers
+        self._busy: dict[Future[Outcome], tuple[ProcessPool, Job, int]] = {}
+
+    def __enter__(self) -> Crew:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        pools = [*(pool for pool in self._free if pool), *(pool for pool, *_ in self._busy.values())]
+        _stop(pools)
+
+    @property
+    def free(self) -> int:
+        """Return how many workers have no job."""
+        return len(self._free)
+
+    @property
+    def busy(self) -> int:
+        """Return how many workers have a job."""
+        return len(self._busy)
+
+    def submit(self, job: Job, attempt: int = 1) -> None:
+        """Give a job to a free worker."""
+        pool = self._free.pop()
+        if pool is None or not pool.active:  # an idle worker was ended from outside
+            pool = self._renewed(pool)
+        future = pool.schedule(work, args=[self.setup, job], timeout=self.time_limit)
+        self._busy[future] = pool, job, attempt
+
+    def finished(self) -> list[tuple[Job, Outcome]]:
+        """Wait until a job ends and return those that have; one that lost its worker is tried again first."""
+        results: list[tuple[Job, Outcome]] = []
+        for future in self._ended():
+            pool, job, attempt = self._busy.pop(future)
+            outcome = self._outcome(future, pool)
+            if outcome.status == "killed" and attempt < _TRIES:
+                self.submit(job, attempt + 1)
+            else:
+                results.append((job, outcome))
+        return results
+
+    def _ended(self) -> list[Future[Outcome]]:
+        """Wait until a job has ended, or has lost its pool before the pool knew of it."""
+        while True:
+            done, others = wait(self._busy, timeout=_PATIENCE, return_when=FIRST_COMPLETED)
+            ended = [*done, *(future for future in others if not self._busy[future][0].active)]
+            if ended:
+                return ended
+
+    def _outcome(self, future: Future[Outcome], pool: ProcessPool) -> Outcome:
+        from pebble import ProcessExpired
+
+        if not future.done():
+            outcome = Outcome("killed", "the worker ended before it could begin")
+        else:
+            try:
+                outcome = future.result()
+            except TimeoutError:
+                outcome = Outcome("timeout", f"took longer than {self.time_limit:g} s")
+            except ProcessExpired as error:
+                outcome = Outcome("killed", f"the worker {_how(error.exitcode)}")
+            except BrokenProcessPool:
+                outcome = Outcome("killed", "the worker ended before it could begin")
+            else:
+                self._free.append(pool)
+                return outcome
+        self._free.append(self._renewed(pool))
+        return outcome
+
+    def _renewed(self, pool: ProcessPool | None) -> ProcessPool:
+        """Return a new pool of one worker. A lock that a lost worker held stays locked in its old pool."""
+        from pebble import ProcessPool
+
+        if pool is not None:
+            _stop([pool])
+        return ProcessPool(max_workers=1, initializer=begin, initargs=[self.setup], context=self._context)
+
+
+def _stop(pools: list[ProcessPool]) -> None:
+    for pool in pools:
+        pool.stop()  # type: ignore[no-untyped-call]
+    for pool in pools:
+        pool.join()
+
+
+def _how(code: int) -> str:
+    """Say how a process ended, from its exit code."""
+    if code < 0:
+        return f"was ended by {signal.Signals(-code).name}"
+    return f"ended with exit code {code}"

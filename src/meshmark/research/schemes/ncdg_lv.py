@@ -1,0 +1,77 @@
+"""NCDG-LV as the benchmark sees it: 64 bits in, 64 bits out."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from meshmark.certificate.certificate import Certificate, certify
+from meshmark.coding.codec import Codec
+from meshmark.coding.keys import Key
+from meshmark.coding.message import ID_BITS
+from meshmark.errors import InputError
+from meshmark.mesh import Mesh
+from meshmark.ownership.embedding import embed
+from meshmark.ownership.extraction import find
+from meshmark.research.schemes.scheme import Bits, Readout
+from meshmark.threads import on_one_thread
+
+__all__ = ["NcdgLv", "NcdgLvCertificate", "NcdgLvOriginal"]
+
+
+class NcdgLv:
+    """The ownership layer of NCDG-LV; the payload is the 64-bit id, most significant bit first."""
+
+    title = "NCDG-LV"
+    source = "NCDG-LV, ownership layer (DESIGN section 4)"
+    bits = ID_BITS
+    blind = True
+
+    def embed(self, mesh: Mesh, bits: Bits, key: Key, *, strength: str = "standard") -> Mesh:
+        """See `Scheme.embed`; the mark has been read back when this returns."""
+        return embed(mesh, key, id=_to_id(bits), strength=strength).mesh
+
+    @on_one_thread
+    def extract(self, mesh: Mesh, key: Key, *, reference: Mesh | Certificate | None = None) -> Readout:
+        """See `Scheme.extract`; blind, the reference is not looked at."""
+        found = find(mesh, key, reference=None if self.blind else reference)
+        if found.reading is None:
+            return Readout(_to_bits(0), False, 0.0, np.zeros(Codec(key).n))
+        observed = found.reading.observed(Codec(key).n)
+        decoded = found.decoded or Codec(key).decode(observed)
+        return Readout(_to_bits(decoded.guess), found.present, found.log10_false_positive, observed)
+
+    def code(self, bits: Bits, key: Key) -> Bits:
+        """Return the code bits (4096,) that stand for a payload (64,)."""
+        return Codec(key).encode(_to_id(bits))
+
+
+class NcdgLvOriginal(NcdgLv):
+    """The same mark, read by an owner who has kept the unmarked original."""
+
+    title = "NCDG-LV with the original"
+    source = "NCDG-LV, ownership layer (DESIGN section 6)"
+    blind = False
+
+
+class NcdgLvCertificate(NcdgLvOriginal):
+    """The same mark, read by an owner who has kept the certificate."""
+
+    title = "NCDG-LV with the certificate"
+
+    @on_one_thread
+    def kept(self, marked: Mesh, key: Key) -> Certificate:
+        """Return the certificate of a marked model, its lattice being the one it is read with."""
+        reading = find(marked, key, locking=False).reading
+        if reading is None:
+            raise InputError("the marked model has too few carriers to certify")
+        return certify(marked, reading.spacing, reading.step, "standard")
+
+
+def _to_id(bits: Bits) -> int:
+    if np.shape(bits) != (ID_BITS,):
+        raise InputError(f"the payload has shape {np.shape(bits)}, expected ({ID_BITS},)")
+    return int.from_bytes(np.packbits(bits).tobytes(), "big")
+
+
+def _to_bits(identity: int) -> Bits:
+    return np.unpackbits(np.frombuffer(identity.to_bytes(ID_BITS // 8, "big"), dtype=np.uint8))

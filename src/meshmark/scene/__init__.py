@@ -1,0 +1,1 @@
+"""Scenes with copies: each mesh once, however often it is shown."""

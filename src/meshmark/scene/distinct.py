@@ -1,0 +1,295 @@
+"""One showing of every stored mesh: the surface that is marked where a file shows a mesh several times.
+
+glTF nodes and 3MF build items show one mesh in several places. A document with such copies tells for each vertex of
+the scene which stored position it shows, and by which map (`placement.py`). What one copy is changed by, all are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Protocol, cast, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
+
+from meshmark.document import Attributes, Document
+from meshmark.geometry.copies import FIRST_LARGEST
+from meshmark.geometry.weld import Welded
+from meshmark.io.placement import Affine, Placement
+from meshmark.io.save import conform
+from meshmark.io.source import SourceFile
+from meshmark.mesh import FloatArray, IntArray, Mesh
+
+__all__ = ["Distinct", "Piece", "distinct", "scene_of"]
+
+# A vertex is the image of another one where it lies this near its place, over the largest coordinate.
+_SAME = 1e-9
+
+
+@runtime_checkable
+class _Placed(Protocol):
+    """A document that says where it shows what is stored."""
+
+    @property
+    def placements(self) -> tuple[Placement, ...]: ...
+
+
+@dataclass(frozen=True, eq=False)
+class Distinct:
+    """A scene of which each stored mesh is taken once.
+
+    scene: the n vertices of the file; mesh: one showing of each, k vertices; a document of its own says what the
+    file can hold of it. rows: (k,) the scene's vertices that `mesh` has. row: (n,) the vertex of `mesh` that each
+    vertex of the scene is an image of. showing: (n,) the number of the placement of each. maps: by the showing of
+    an image and that of the vertex in `mesh`, the map of the vertex to its image.
+    """
+
+    scene: Mesh
+    mesh: Mesh
+    rows: IntArray
+    row: IntArray
+    showing: IntArray
+    maps: Mapping[tuple[int, int], Affine]
+
+    def spread(self, vertices: FloatArray) -> FloatArray:
+        """Return the scene's positions (n, 3) for positions (k, 3) of `mesh`; images of what stays do not move."""
+        shift = (vertices - self.scene.vertices[self.rows])[self.row]
+        moved = (shift != 0).any(axis=1)
+        result = self.scene.vertices.copy()
+        result[self.rows] = vertices
+        own = np.zeros(len(self.row), bool)
+        own[self.rows] = True
+        for chosen, affine in self._groups(moved & ~own):
+            result[chosen] += Affine(affine.linear, np.zeros(3))(shift[chosen])
+        return result
+
+    def whole(self, vertices: FloatArray) -> Mesh:
+        """Return the scene as its file holds it, for positions (k, 3) of `mesh`."""
+        return self.scene.with_vertices(conform(self.scene, self.spread(vertices)))
+
+    def images(self) -> FloatArray:
+        """Return the positions (n, 3) that all vertices have as images of those of `mesh`."""
+        result = self.scene.vertices[self.rows][self.row]
+        for chosen, affine in self._groups(np.ones(len(self.row), bool)):
+            result[chosen] = affine(result[chosen])
+        return result
+
+    @cached_property
+    def smallest(self) -> float:
+        """The smallest stretch of any image against the vertices in `mesh`, 1 at most."""
+        stretches = [np.linalg.svd(affine.linear, compute_uv=False)[2] for affine in self.maps.values()]
+        return float(min(1.0, *stretches))
+
+    def shown(self, welded: Welded) -> IntArray:
+        """Return how many times the scene shows each point (p,) of `mesh`, welded."""
+        point = welded.point_of_vertex[self.row]
+        pairs = np.unique(self.showing * len(welded.points) + point)
+        return np.bincount(pairs % len(welded.points), minlength=len(welded.points))
+
+    def repeated(self, mesh: Mesh) -> Piece | None:
+        """Return the part of `mesh`, marked or not, that is shown more than once, None where that is all of it."""
+        pairs = np.unique(self.showing * len(self.rows) + self.row)
+        times = np.bincount(pairs % len(self.rows), minlength=len(self.rows))
+        faces = mesh.faces[(times > 1)[mesh.faces].all(axis=1)]
+        return None if len(faces) in (0, len(mesh.faces)) else Piece.of(mesh, faces)
+
+    def _groups(self, chosen: NDArray[np.bool_]) -> list[tuple[IntArray, Affine]]:
+        """Return the chosen (n,) vertices that share a map, and the map."""
+        count = int(self.showing.max()) + 1
+        pair = self.showing * count + self.showing[self.rows][self.row]
+        where = np.flatnonzero(chosen)
+        order = where[np.argsort(pair[where], kind="stable")]
+        values, starts = np.unique(pair[order], return_index=True)
+        parts = np.split(order, starts[1:]) if len(values) else []
+        pairs = [divmod(int(value), count) for value in values]
+        return [(part, self.maps[ends]) for part, ends in zip(parts, pairs, strict=True)]
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """Some faces of a mesh. rows: (k,) the vertices of `whole` that `mesh` has."""
+
+    whole: Mesh
+    mesh: Mesh
+    rows: IntArray
+
+    @classmethod
+    def of(cls, whole: Mesh, faces: IntArray) -> Piece:
+        """Return the piece with these faces (m, 3) of `whole`."""
+        rows, corners = np.unique(faces, return_inverse=True)
+        mesh = Mesh(whole.vertices[rows], corners.reshape(-1, 3))
+        document = _OfPiece(whole, rows, mesh.vertices, mesh.faces)
+        return cls(whole, Mesh(mesh.vertices, mesh.faces, document), rows)
+
+    def back(self, vertices: FloatArray) -> Mesh:
+        """Return the whole as its file holds it, for positions (k, 3) of the piece."""
+        return self.whole.with_vertices(conform(self.whole, _put(self.whole, self.rows, vertices)))
+
+
+def _put(whole: Mesh, rows: IntArray, vertices: FloatArray) -> FloatArray:
+    result = whole.vertices.copy()
+    result[rows] = vertices
+    return result
+
+
+class _Inner:
+    """What the documents of parts of a scene have in common: what it is they say of its file."""
+
+    @property
+    def _scene(self) -> Mesh:
+        raise NotImplementedError
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        return self._base.remarks
+
+    @property
+    def format(self) -> str:
+        return self._base.format
+
+    def summary(self) -> dict[str, Any]:
+        return self._base.summary()
+
+    def side_files(self) -> tuple[Path, ...]:
+        return self._base.side_files()
+
+    def attributes(self) -> Attributes:
+        return Attributes()
+
+    @property
+    def _base(self) -> Document:
+        return cast(Document, self._scene.document)  # only a scene with one has parts
+
+
+@dataclass(frozen=True, eq=False)
+class _OfPiece(_Inner):
+    """The document of `Piece.mesh`; see `Document`."""
+
+    whole: Mesh
+    rows: IntArray
+    vertices: FloatArray
+    faces: IntArray
+
+    @property
+    def _scene(self) -> Mesh:
+        return self.whole
+
+    def conform(self, vertices: FloatArray) -> FloatArray:
+        return conform(self.whole, _put(self.whole, self.rows, vertices))[self.rows]
+
+    def patched(self, vertices: FloatArray, name: str) -> Mapping[str, bytes]:
+        return self._base.patched(_put(self.whole, self.rows, vertices), name)
+
+
+@dataclass(frozen=True, eq=False)
+class _Once(_Inner):
+    """The document of `Distinct.mesh`: that of the scene, through its eyes; see `Document`."""
+
+    distinct: Distinct
+    vertices: FloatArray
+    faces: IntArray
+
+    @property
+    def _scene(self) -> Mesh:
+        return self.distinct.scene
+
+    def conform(self, vertices: FloatArray) -> FloatArray:
+        return conform(self.distinct.scene, self.distinct.spread(vertices))[self.distinct.rows]
+
+    def patched(self, vertices: FloatArray, name: str) -> Mapping[str, bytes]:
+        return self._base.patched(self.distinct.spread(vertices), name)
+
+    def attributes(self) -> Attributes:
+        found = self._base.attributes()
+        rows = self.distinct.rows
+        return replace(
+            found,
+            normals=None if found.normals is None else found.normals[rows],
+            texcoords=None if found.texcoords is None else found.texcoords[rows],
+            colors=None if found.colors is None else found.colors[rows],
+        )
+
+
+def scene_of(mesh: Mesh) -> Distinct | None:
+    """Return the scene that a mesh made by `distinct` was taken from, None for any other."""
+    return mesh.document.distinct if isinstance(mesh.document, _Once) else None
+
+
+def distinct(mesh: Mesh) -> Distinct | None:
+    """Return the mesh with each stored position shown once; None where nothing is shown in two places.
+
+    Nor where vertices are not the images that the document says they are: they were changed one by one. Of the
+    showings of a mesh the first of the largest is taken, so that none of the others moves farther.
+    """
+    document = mesh.document
+    inner = document.document if isinstance(document, SourceFile) else document
+    if not isinstance(inner, _Placed) or len(inner.placements) < 2:
+        return None
+    placements = inner.placements
+    slots = np.concatenate([item.slots for item in placements])
+    if len(slots) == len(np.unique(slots)):
+        return None
+    showing = np.repeat(np.arange(len(placements)), [len(item.slots) for item in placements])
+    rank = _ranks(slots, showing, placements)
+    order = np.argsort(rank[showing], kind="stable")
+    _, first, slot = np.unique(slots[order], return_index=True, return_inverse=True)
+    source = np.empty(len(slots), np.int64)
+    source[order] = order[first][slot]
+    if (mesh.vertices == mesh.vertices[source]).all():
+        return None
+    rows, row = np.unique(source, return_inverse=True)
+    faces = _once(row[mesh.faces], rank[showing[mesh.faces[:, 0]]])
+    found = Distinct(mesh, mesh, rows, row, showing, _maps(showing, source, placements))
+    if np.abs(found.images() - mesh.vertices).max() > _SAME * np.abs(mesh.vertices).max():
+        return None
+    once = Mesh(mesh.vertices[rows], faces)
+    return replace(found, mesh=Mesh(once.vertices, once.faces, _Once(found, once.vertices, once.faces)))
+
+
+def _ranks(slots: IntArray, showing: IntArray, placements: tuple[Placement, ...]) -> IntArray:
+    """Return the rank of each placement; what two of them show is taken from the one of lower rank."""
+    count = len(placements)
+    links = csr_array(
+        (np.ones(len(slots), np.int8), (showing, slots + count)),
+        shape=(count + int(slots.max()) + 1,) * 2,
+    )
+    group = connected_components(links, directed=False)[1][:count]
+    scale = np.array([abs(np.linalg.det(item.affine.linear)) ** (1 / 3) for item in placements])
+    largest = np.zeros(int(group.max()) + 1)
+    np.maximum.at(largest, group, scale)
+    share = scale / largest[group]
+    share[share >= FIRST_LARGEST] = 1.0
+    rank = np.empty(count, np.int64)
+    rank[np.argsort(-share, kind="stable")] = np.arange(count)
+    return rank
+
+
+def _once(faces: IntArray, rank: IntArray) -> IntArray:
+    """Return the faces (m, 3) without those that a placement of lower rank shows, too; rank: (m,)."""
+    start = faces.argmin(axis=1)
+    keys = faces[np.arange(len(faces))[:, None], (start[:, None] + np.arange(3)) % 3]
+    order = np.lexsort((rank, keys[:, 2], keys[:, 1], keys[:, 0]))
+    new = np.ones(len(faces), bool)
+    new[1:] = (keys[order[1:]] != keys[order[:-1]]).any(axis=1)
+    lowest = rank[order][np.flatnonzero(new)][np.cumsum(new) - 1]
+    kept = np.zeros(len(faces), bool)
+    kept[order] = rank[order] == lowest
+    return np.asarray(faces[kept])
+
+
+def _maps(
+    showing: IntArray, source: IntArray, placements: tuple[Placement, ...]
+) -> dict[tuple[int, int], Affine]:
+    count = len(placements)
+    pairs = [divmod(int(value), count) for value in np.unique(showing * count + showing[source])]
+    inverse = {one: placements[one].affine.inverse() for one in {pair[1] for pair in pairs}}
+    same = Affine.identity()
+    return {
+        (image, one): same if image == one else placements[image].affine.after(inverse[one])
+        for image, one in pairs
+    }

@@ -1,0 +1,194 @@
+"""The surface that carries a mark: each mesh of a scene once, however often it is shown (docs/decisions/0017)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from meshmark.geometry.affine import Affine
+from meshmark.geometry.congruence import Tolerance
+from meshmark.geometry.copies import Copies, find_copies
+from meshmark.geometry.shown import Shown
+from meshmark.geometry.weld import Welded, weld
+from meshmark.mesh import IntArray, Mesh
+from meshmark.scene.distinct import Distinct, distinct, scene_of
+
+__all__ = [
+    "Unfolded",
+    "marked_surface",
+    "mirrored",
+    "once_each",
+    "only_repeated",
+    "repeated",
+    "surfaces_to_read",
+    "unfolded",
+]
+
+# What may be a copy where the file does not tell, each tried in turn: parts of so many points, that differ by so
+# much.
+# The rounding of an export, and what marks of authentication alone change, lie between the two tolerances.
+_EXACT, _NEARLY = Tolerance(0.0, 4e-7), Tolerance(3e-4, 2e-6)
+_TRIED: Final = (
+    (64, _EXACT, "none"),
+    (64, _NEARLY, "none"),
+    (8, _EXACT, "none"),
+    (8, _NEARLY, "none"),
+    (64, _NEARLY, "moved"),
+)
+_TRIED_TOO: Final = ((64, _EXACT, "cut"), (64, _NEARLY, "cut"))
+
+
+# A copy that differs by this share of the model was changed, or its original was; so many are tried in its
+# place.
+_CHANGED, _EXCHANGED = 1e-3, 2
+# So many faces of a copy tell which way it turns.
+_FACES = 200
+
+
+@dataclass(frozen=True, eq=False)
+class Unfolded(Shown):
+    """A surface with copies whose every copy was moved to the place of its original.
+
+    place: (p,) the number of the map, in `maps`, that takes each point to its place in the scene.
+    """
+
+    place: IntArray
+    maps: tuple[Affine, ...]
+
+
+def marked_surface(mesh: Mesh) -> Welded:
+    """Return the welded surface that an embedding into this mesh changes.
+
+    That is one showing of each mesh where the mesh's file shows one several times; each vertex of the scene belongs
+    to the point that it is an image of.
+    """
+    once = distinct(mesh)
+    if once is None:
+        return weld(mesh)
+    surface = shown(weld(once.mesh), once)
+    return replace(surface, point_of_vertex=surface.point_of_vertex[once.row])
+
+
+def surfaces_to_read(mesh: Mesh, *, cut: bool = False) -> Iterator[Welded]:
+    """Yield the surfaces that may carry the mark of a suspect, likeliest first.
+
+    Where its file tells what are copies of one mesh, first without these; where it does not, last without those
+    that look like it. Next to each stands the part of it that is shown more than once: what stands around copies
+    may be too large for them. cut: see `repeated`.
+    """
+    first = marked_surface(mesh)
+    yield first
+    if isinstance(first, Shown):
+        yield from only_repeated(first)
+        yield weld(mesh)
+        return
+    scene = scene_of(mesh)
+    if scene is not None:
+        yield from only_repeated(shown(first, scene))
+        return
+    for copies in repeated(mesh, cut=cut):
+        surface = once_each(mesh, copies)
+        yield surface
+        yield from only_repeated(surface)
+        yield from _exchanged(unfolded(mesh, copies))
+
+
+def _exchanged(surface: Unfolded) -> Iterator[Welded]:
+    """Yield the surface without copies but one, in place of its original, where one of the two was changed."""
+    off = np.linalg.norm(surface.points - surface.points[surface.original], axis=1)
+    far = off > _CHANGED * float(np.ptp(surface.points, axis=0).max())
+    for number in np.unique(surface.place[far])[:_EXCHANGED]:
+        gone = np.zeros(len(off), bool)
+        gone[surface.original[surface.place == number]] = True
+        kept = np.where(surface.place == 0, ~gone, surface.place == number)
+        faces = surface.faces[kept[surface.faces].all(axis=1)]
+        yield Welded(surface.points, faces, surface.point_of_vertex)
+
+
+def only_repeated(surface: Shown) -> Iterator[Shown]:
+    """Yield the part of a surface that is shown more than once, unless that is all of it."""
+    faces = surface.faces[(surface.times > 1)[surface.faces].all(axis=1)]
+    if 0 < len(faces) < len(surface.faces):
+        yield replace(surface, faces=faces)
+
+
+def shown(welded: Welded, scene: Distinct) -> Shown:
+    """Return the surface of `scene.mesh` with how often the scene shows each point."""
+    own = np.arange(len(welded.points))
+    return Shown(welded.points, welded.faces, welded.point_of_vertex, scene.shown(welded), own)
+
+
+def repeated(mesh: Mesh, *, cut: bool = False) -> Iterator[Copies]:
+    """Yield what may be copies of one mesh in a scene whose file does not tell, by its vertices.
+
+    cut: also of copies that have lost a piece; this takes long.
+    """
+    welded, seen = weld(mesh), list[Copies]()
+    first = welded.vertex_of_point
+    for least, tolerance, edited in (*_TRIED, *(_TRIED_TOO if cut else ())):
+        found = find_copies(welded.points, welded.faces, least, tolerance, edited=edited)
+        if found is not None:
+            point = welded.point_of_vertex
+            found = Copies(first[found.original[point]], found.place[point], found.maps)
+        elif len(welded.points) < len(mesh.vertices):
+            # Copies may touch, as the halves of a mirrored model do; their vertices tell them apart.
+            found = find_copies(mesh.vertices, mesh.faces, least, tolerance, edited=edited)
+        if found is not None and not any(_same(found, other) for other in seen):
+            seen.append(found)
+            yield found
+
+
+def _same(one: Copies, other: Copies) -> bool:
+    return bool(((one.place == 0) == (other.place == 0)).all())
+
+
+def once_each(mesh: Mesh, copies: Copies) -> Shown:
+    """Return the surface of a mesh without these copies."""
+    own = copies.place == 0
+    row = np.cumsum(own) - 1
+    faces = mesh.faces[own[mesh.faces].all(axis=1)]
+    welded = weld(Mesh(mesh.vertices[own], row[faces]))
+    point = welded.point_of_vertex[row[copies.original]]
+    pairs = np.unique(copies.place * len(welded.points) + point)
+    times = np.bincount(pairs % len(welded.points), minlength=len(welded.points))
+    return Shown(welded.points, welded.faces, point, times, np.arange(len(welded.points)))
+
+
+def unfolded(mesh: Mesh, copies: Copies) -> Unfolded:
+    """Return the surface of a mesh with each copy in the place of its original; copies stay parts of their own."""
+    welded = weld(mesh)
+    keys = copies.place * len(welded.points) + welded.point_of_vertex
+    _, first, point = np.unique(keys, return_index=True, return_inverse=True)
+    points, place = mesh.vertices[first].copy(), copies.place[first]
+    for number, affine in enumerate(copies.maps):
+        if number:
+            points[place == number] = affine.inverse()(points[place == number])
+    a, b, c = (corners := point[mesh.faces]).T
+    faces = corners[(a != b) & (b != c) & (c != a)]
+    times = np.ones(len(points), np.int64)
+    original = point[copies.original[first]]
+    turned = [number for number in range(1, len(copies.maps)) if _is_turned(faces, original, place, number)]
+    faces = np.where(np.isin(place[faces[:, :1]], turned), faces[:, ::-1], faces)
+    return Unfolded(points, faces, point, times, original, place, copies.maps)
+
+
+def mirrored(surface: Unfolded) -> Iterator[Unfolded]:
+    """Yield the mirror image of a surface with mirrored copies: these may be the ones that were marked."""
+    if any(np.linalg.det(affine.linear) < 0.0 for affine in surface.maps):
+        yield replace(surface, points=surface.points * [-1.0, 1.0, 1.0])
+
+
+def _is_turned(faces: IntArray, original: IntArray, place: IntArray, number: int) -> bool:
+    """Return whether the faces of a copy turn the other way than the original's, as some tools turn mirrored ones.
+
+    number: of the copy's place.
+    """
+    own = original[faces[place[faces[:, 0]] == number][:_FACES]]
+    there = faces[place[faces[:, 0]] == 0]
+    keys = {tuple(np.roll(face, -int(face.argmin()))) for face in there[np.isin(there, own).all(axis=1)]}
+    plain = sum(tuple(np.roll(face, -int(face.argmin()))) in keys for face in own)
+    back = sum(tuple(np.roll(face, -int(face.argmin()))) in keys for face in own[:, ::-1])
+    return back > plain

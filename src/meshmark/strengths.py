@@ -1,0 +1,19 @@
+"""The strengths of a mark: how far it may move the surface."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from meshmark.errors import InputError
+
+__all__ = ["BUDGETS", "check_strength"]
+
+# Largest RMS displacement of all layers together, over the bounding-box diagonal.
+BUDGETS: Final = {"subtle": 2e-4, "standard": 8e-4, "strong": 2e-3}
+
+
+def check_strength(strength: object) -> str:
+    """Return a strength that is one; raises `InputError` that lists the valid ones for anything else."""
+    if not isinstance(strength, str) or strength not in BUDGETS:
+        raise InputError(f"unknown strength {strength!r}, expected one of {', '.join(BUDGETS)}")
+    return strength

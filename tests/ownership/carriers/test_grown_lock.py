@@ -1,0 +1,92 @@
+"""A lock grown from a cluster finds planted corrections far beyond what a plain search holds."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from meshmark.ownership.carriers import grown_lock as growing
+from meshmark.ownership.carriers.grown_lock import FIRST, grown, neighbourhoods
+from meshmark.ownership.carriers.lock import LockSearch, grid_size
+from tests.counting import Share, some
+
+EXPECTED = np.array([0.014] * 3 + [0.011] + [0.016] * 3)
+STEP = 0.018  # 0.1 spacings of 0.18
+
+
+def problem(seed, size, noise=0.3, cells=220):
+    """Cells on an ellipsoid, their response to a pose, and phases a planted correction brings to 0."""
+    rng = np.random.default_rng(seed)
+    ball = rng.normal(size=(cells, 3))
+    ball /= np.linalg.norm(ball, axis=1)[:, None]
+    axes = np.array([1.5, 1.0, 0.6])
+    place, normal = ball * axes, ball / axes
+    normal /= np.linalg.norm(normal, axis=1)[:, None]
+    along = np.einsum("ij,ij->i", normal, place)
+    gradient = 4.0 * np.pi / STEP * np.column_stack([normal, along, np.cross(place, normal)])
+    truth = rng.normal(size=7)
+    truth *= size / np.linalg.norm(truth) * EXPECTED
+    return -gradient @ truth + noise * rng.normal(size=cells), gradient, place, truth
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_planted_corrections_are_found(seed):
+    psi, gradient, place, truth = problem(seed, size=2.0)
+    locks = [grown(psi, gradient, EXPECTED, order) for order in neighbourhoods(gradient * EXPECTED, place, 3)]
+    best = max((lock for lock in locks if lock), key=lambda lock: lock.score)
+    np.testing.assert_allclose(best.correction, truth, atol=1e-3)
+    assert best.score == pytest.approx(np.cos(psi + gradient @ truth).sum(), rel=0.05)
+
+
+def test_a_plain_search_of_as_many_corrections_misses_them():
+    """What growing is for: all cells at once leave a grid of so many points far too small a ball."""
+    found = 0
+    for seed in range(6):
+        psi, gradient, _, truth = problem(seed, size=2.0)
+        search = LockSearch(psi, gradient, EXPECTED, 2.5, 400_000)
+        (best,) = search.polished(search.rough(1))
+        found += bool(np.abs(best.correction - truth).max() < 2e-3)
+    assert found <= 2
+
+
+def test_chance_does_not_lock_by_its_own_bound(monkeypatch):
+    """Clusters that stand out less are followed, too: else chance hardly ever gets as far as a lock."""
+    monkeypatch.setattr(growing, "STANDS_OUT", 4.5)
+    with Share(0.5) as share:
+        for seed in range(10):
+            rng = np.random.default_rng(100 + seed)
+            _, gradient, place, _ = problem(seed, size=1.0)
+            psi = rng.uniform(0.0, 2.0 * np.pi, len(gradient))
+            for order in neighbourhoods(gradient * EXPECTED, place, 2):
+                share.case()
+                lock = grown(psi, gradient, EXPECTED, order)
+                if lock is not None:
+                    share.asserted()
+                    assert -(lock.score**2) / len(psi) / np.log(10.0) + np.log10(lock.tried) > 0.0
+
+
+def test_first_clusters_are_disjoint_and_near():
+    _, gradient, place, _ = problem(1, size=1.0)
+    orders = neighbourhoods(gradient * EXPECTED, place, 2)
+    assert len(orders) == 2
+    seen: set[int] = set()
+    for order in some(orders):
+        assert sorted(order) == list(range(len(place)))
+        assert not seen & set(order[:FIRST].tolist())
+        seen |= set(order[:FIRST].tolist())
+        distance = np.linalg.norm(place[order] - place[order[0]], axis=1)
+        assert (np.diff(distance) >= 0.0).all()
+    sizes = [grid_size((gradient * EXPECTED)[order[:FIRST]], 2.5) for order in orders]
+    assert sizes == sorted(sizes)
+
+
+def test_few_cells_are_one_cluster():
+    _, gradient, place, _ = problem(1, size=1.0, cells=30)
+    (order,) = neighbourhoods(gradient * EXPECTED, place, 3)
+    assert sorted(order) == list(range(30))
+
+
+def test_a_wider_ball_holds_more():
+    _, gradient, _, _ = problem(1, size=1.0)
+    assert grid_size(gradient * EXPECTED, 1.0) < grid_size(gradient * EXPECTED, 2.0)
+    assert grid_size(gradient[:, :0], 1.0) == 1.0

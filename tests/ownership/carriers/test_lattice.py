@@ -1,0 +1,32 @@
+from __future__ import annotations
+
+import numpy as np
+
+from meshmark.coding.keys import Key
+from meshmark.ownership.carriers.lattice import Lattice
+
+KEY = Key(bytes(range(32)))
+
+
+def test_coordinates_are_a_similarity_and_points_undo_them():
+    lattice = Lattice.keyed(KEY, 0.2)
+    points = np.random.default_rng(0).normal(size=(50, 3))
+    there = lattice.coordinates(points)
+    np.testing.assert_allclose(lattice.points(there), points, atol=1e-14)
+    np.testing.assert_allclose(
+        np.linalg.norm(there[1:] - there[:-1], axis=1), np.linalg.norm(points[1:] - points[:-1], axis=1) / 0.2
+    )
+
+
+def test_everything_of_a_cell_comes_from_key_spacing_and_coordinates():
+    nodes = np.random.default_rng(1).integers(-9, 9, size=(400, 3))
+    keys = Lattice.keyed(KEY, 0.2).keys(nodes, 4096)
+    again = Lattice.keyed(KEY, 0.2).keys(nodes[::-1], 4096)
+    np.testing.assert_array_equal(keys.dither, again.dither[::-1])
+    np.testing.assert_array_equal(keys.code_index, again.code_index[::-1])
+    assert keys.dither.min() >= 0
+    assert keys.dither.max() < 1
+    assert keys.code_index.min() >= 0
+    assert keys.code_index.max() < 4096
+    for other in (Lattice.keyed(KEY, 0.21), Lattice.keyed(Key(bytes(32)), 0.2)):
+        assert (other.keys(nodes, 4096).dither != keys.dither).all()

@@ -1,0 +1,83 @@
+"""The lock finds planted corrections, agrees with plain search, and bounds chance honestly."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from meshmark.ownership.carriers import lock as module
+from meshmark.ownership.carriers.lock import LockSearch
+from meshmark.ownership.carriers.quantisation import log10_lock_chance
+
+EXPECTED = np.array([0.005] * 4 + [0.006] * 3)
+
+
+def search_lock(psi, gradient, expected, radius=2.2):
+    search = LockSearch(psi, gradient, expected, radius)
+    return sorted(search.polished(search.rough(3)), key=lambda lock: -lock.score)
+
+
+def problem(seed, cells=250, noise=0.3, size=2.0):
+    """Phases a planted correction brings to 0, up to noise; the response of typical cells at a step of 0.02."""
+    rng = np.random.default_rng(seed)
+    gradient = 2.0 * np.pi / 0.01 * rng.normal(size=(cells, 7)) * 0.58
+    truth = rng.normal(size=7)
+    truth *= size / np.linalg.norm(truth) * EXPECTED
+    return -gradient @ truth + noise * rng.normal(size=cells), gradient, truth
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_planted_corrections_are_found(seed):
+    psi, gradient, truth = problem(seed)
+    best = search_lock(psi, gradient, EXPECTED, radius=2.2)[0]
+    np.testing.assert_allclose(best.correction, truth, atol=2e-4)
+    assert best.score == pytest.approx(np.cos(psi + gradient @ truth).sum(), rel=0.05)
+
+
+def test_the_grid_search_is_the_plain_search():
+    """All sums of two halves, one matrix product, against every grid point in turn."""
+    psi, gradient, _ = problem(3, cells=40)
+    response = gradient * EXPECTED
+    grid = module._plan(response, 1.5, module.MOST)
+    one, two = grid.halves
+    sums = [
+        (p + q, a * a + b * b)
+        for p, a in zip(one.places, one.distances, strict=True)
+        for q, b in zip(two.places, two.distances, strict=True)
+        if a * a + b * b <= grid.radius**2 * (1 + module.ROUNDING)
+    ]
+    assert len(sums) == grid.size > 100
+    worth = [np.cos(psi + response @ place).sum() - far for place, far in sums]
+    best = module._best_places(grid, psi, 1)[0]
+    np.testing.assert_allclose(best, sums[int(np.argmax(worth))][0], atol=1e-12)
+
+
+def test_a_correction_of_nothing_is_kept():
+    psi, gradient, _ = problem(1, noise=0.1, size=0.0)
+    best = search_lock(psi, gradient, EXPECTED)[0]
+    assert np.abs(best.correction).max() < 1e-4
+
+
+def test_ill_determined_directions_do_no_harm():
+    psi, gradient, truth = problem(2)
+    gradient = np.column_stack([gradient, 1e-9 * gradient[:, 0]])
+    best = search_lock(psi, gradient, np.append(EXPECTED, 1.0))[0]
+    np.testing.assert_allclose(best.correction[:7], truth, atol=2e-4)
+
+
+def test_the_same_input_gives_the_same_answer():
+    psi, gradient, _ = problem(5)
+    first, second = (search_lock(psi, gradient, EXPECTED) for _ in range(2))
+    assert [lock.score for lock in first] == [lock.score for lock in second]
+
+
+def test_chance_is_bounded():
+    """On random phases the bound, times the corrections tried, is rarely small: p-values at least uniform."""
+    rng = np.random.default_rng(0)
+    _, gradient, _ = problem(0, cells=200)
+    bounds = []
+    for _ in range(200):
+        best = search_lock(rng.uniform(0, 2 * np.pi, 200), gradient / 2.0, EXPECTED)[0]
+        bounds.append(log10_lock_chance(best.score, 200) + np.log10(best.tried))
+    # Of 200 p-values at least as large as uniform, more than 8 below 0.01 come with a chance below 1e-4.
+    assert (np.array(bounds) < -2.0).sum() <= 8

@@ -1,0 +1,81 @@
+"""The sentence of a refusal names what is wrong with the model, as it was counted."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+from meshmark.errors import CapacityError
+from meshmark.marking import embed
+from meshmark.mesh import Mesh
+from tests.keys import ID, KEY
+from tests.shapes import pebble
+
+
+def subdivided(points, faces):
+    """Return the surface with each face in four."""
+    edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
+    known, number = np.unique(edges, axis=0, return_inverse=True)
+    number = number.reshape(-1) + len(points)
+    (a, b, c), (x, y, z) = faces.T, number.reshape(3, -1)
+    parts = [np.stack(part, axis=1) for part in ((a, x, z), (x, b, y), (z, y, c), (x, y, z))]
+    return np.concatenate([points, points[known].mean(axis=1)]), np.concatenate(parts)
+
+
+def refusal(mesh: Mesh) -> str:
+    with pytest.raises(CapacityError) as caught:
+        embed(mesh, KEY, id=ID, layers="ownership")
+    return str(caught.value)
+
+
+def test_long_triangles_are_named_and_subdividing_helps():
+    points, faces = pebble(14)
+    said = re.search(
+        r"its triangles are ([\d.]+) times as long as a patch is wide, subdividing",
+        refusal(Mesh(points, faces)),
+    )
+    assert said
+    assert float(said[1]) > 1.0
+    for _ in range(2):
+        points, faces = subdivided(points, faces)
+    assert embed(Mesh(points, faces), KEY, id=ID, layers="ownership").id == ID
+
+
+def test_a_surface_with_two_sides_is_called_doubled():
+    points, faces = pebble(40)
+    text = refusal(Mesh(points, np.concatenate([faces, faces[:, ::-1]])))
+    assert "100% of the surface is there twice" in text
+
+
+def test_leaves_that_point_every_way_are_named():
+    random = np.random.default_rng(5)
+    corners = random.normal(size=(6000, 1, 3)) + 0.15 * random.normal(size=(6000, 3, 3))
+    text = refusal(Mesh(corners.reshape(-1, 3), np.arange(18000).reshape(-1, 3)))
+    assert "faces that point every way" in text
+    assert "too few points" not in text
+
+
+def test_thin_scattered_parts_are_named():
+    # Small flat tiles, all facing one way, far from each other.
+    x, y = np.meshgrid(np.arange(40.0), np.arange(40.0))
+    middle = np.stack([x.ravel(), y.ravel(), np.zeros(1600)], axis=1)
+    tile = 0.05 * np.array([[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]])
+    points = (middle[:, None] + tile).reshape(-1, 3)
+    faces = (4 * np.arange(1600)[:, None, None] + np.array([[0, 1, 2], [0, 2, 3]])).reshape(-1, 3)
+    assert "too small or too narrow for a patch" in refusal(Mesh(points, faces))
+
+
+def test_room_for_authentication_alone_is_said():
+    points, faces = pebble(40)
+    both = Mesh(points, np.concatenate([faces, faces[:, ::-1]]))
+    with pytest.raises(CapacityError) as caught:
+        embed(both, KEY, id=ID)
+    fits = "--layers authentication" in str(caught.value)
+    try:
+        embed(both, KEY, id=ID, layers="authentication")
+    except CapacityError:
+        assert not fits
+    else:
+        assert fits

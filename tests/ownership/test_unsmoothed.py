@@ -1,0 +1,71 @@
+"""What a coarse model was smoothed by is taken back exactly, and its mark read."""
+
+from __future__ import annotations
+
+from itertools import count
+
+import numpy as np
+import pytest
+
+from meshmark.attacks import parse_chain
+from meshmark.geometry.weld import weld
+from meshmark.marking import embed, extract
+from meshmark.mesh import Mesh
+from meshmark.ownership.parameters import LOCK_STEPS, SPACING_TRIES
+from meshmark.ownership.search import unsmoothed as module
+from tests.keys import ID, KEY
+from tests.shapes import pebble
+
+
+@pytest.fixture(scope="module")
+def marked():
+    return embed(Mesh(*pebble(28)), KEY, id=ID).mesh
+
+
+def attacked(mesh, text):
+    return parse_chain(text)(mesh, np.random.default_rng(7))
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["smoothing:1", "smoothing:10", "smoothing:50", "smoothing_half:2", "smoothing_half:6", "taubin:3"],
+)
+def test_one_of_the_shapes_is_that_before(text):
+    before = Mesh(*pebble(20))
+    after = attacked(before, text)
+    surface = weld(after)
+    off = [np.abs(points - weld(before).points).max() for points in module._before(surface)]
+    assert min(off) < 1e-3 * np.abs(surface.points - weld(before).points).max()
+
+
+@pytest.mark.parametrize("text", ["smoothing:5", "smoothing:50", "smoothing_half:3", "taubin:5"])
+def test_a_smoothed_coarse_model_is_read(marked, text, monkeypatch):
+    suspect = attacked(marked, f"{text}+float32:1+similarity:1")
+    found = extract(suspect, KEY)
+    assert (found.presence, found.id) == ("present", ID)
+    assert found.log10_false_positive <= -6.0
+    monkeypatch.setattr(module, "COARSE", 0)
+    assert extract(suspect, KEY).id is None
+
+
+def test_readings_pay_for_all_that_was_tried(marked):
+    surface = weld(attacked(marked, "smoothing:5"))
+    (first,) = module.unsmoothed_readings(surface, KEY, 4096, count(5))
+    shapes = sum(len(passes) for passes in module.SMOOTHINGS.values())
+    assert first.hypotheses >= 5 * 6 * shapes * len(LOCK_STEPS) * SPACING_TRIES
+    assert first.log10_chance < -15.0
+
+
+def test_of_another_model_nothing_is_yielded():
+    surface = weld(attacked(Mesh(*pebble(28)), "smoothing:5"))
+    assert not list(module.unsmoothed_readings(surface, KEY, 4096, count(1)))
+
+
+def test_shapes_that_got_rough_are_left_out(marked):
+    smoothed = len(list(module._before(weld(attacked(marked, "smoothing_half:6")))))
+    assert len(list(module._before(weld(marked)))) < smoothed
+
+
+def test_a_fine_mesh_is_left_to_the_restorations(marked, monkeypatch):
+    monkeypatch.setattr(module, "COARSE", 100)
+    assert not list(module.unsmoothed_readings(weld(marked), KEY, 4096, count(1)))
