@@ -37,9 +37,9 @@ from meshmark.report.picture import CLAY, Panel, render
 NUMBERS = 1_500_000
 TURNS = 3
 STYLES = {
-    "%.6f": NumberStyle("fixed", 7, 6, 6, exponents=False, upper=False),
-    "%.9g": NumberStyle("general", 9, 9, 0, exponents=True, upper=False),
-    "%r": NumberStyle("shortest", 17, 17, 1, exponents=True, upper=False),
+    "%.6f": NumberStyle(kind="fixed", significant=7, decimals=6, least=6, exponents=False, upper=False),
+    "%.9g": NumberStyle(kind="general", significant=9, decimals=9, least=0, exponents=True, upper=False),
+    "%r": NumberStyle(kind="shortest", significant=17, decimals=17, least=1, exponents=True, upper=False),
 }
 DIGITS = {"%.6f": 6, "%.9g": 9, "%r": 17}
 
@@ -221,7 +221,7 @@ def pictures(points: FloatArray, faces: IntArray) -> None:
     import matplotlib.pyplot as plt
 
     view = three_quarter_view(points)
-    panel = Panel("", points, faces, np.tile(CLAY, (len(points), 1)))
+    panel = Panel(caption="", points=points, faces=faces, colours=np.tile(CLAY, (len(points), 1)))
 
     def by_matplotlib() -> bytes:
         figure = plt.figure(figsize=(6.4, 6.4), dpi=100)

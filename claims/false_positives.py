@@ -84,7 +84,7 @@ def main() -> int:
     if arguments.plot:
         kinds = sorted({row[0] for row in rows})
         samples = [np.array([row[2] for row in rows if row[0] == kind]) for kind in kinds]
-        entries = [Entry(kind, i) for i, kind in enumerate(kinds)]
+        entries = [Entry(words=kind, colour=i) for i, kind in enumerate(kinds)]
         arguments.plot.write_text(calibration_panel(entries, samples).svg, encoding="utf-8")
     present = sum(row[1] == "present" for row in rows)
     print(f"present: {present} (95 % upper bound of the rate {3.0 / len(rows):.1e} where 0)")

@@ -11,7 +11,7 @@ from tests.allowed import allowed
 from tests.counting import some
 
 ROOT = Path(__file__).resolve().parents[1]
-FOLDERS = ("src", "tests", "docs", "tools", "benchmarks")
+FOLDERS = ("src", "tests", "docs", "tools", "claims")
 SUFFIXES = {".py", ".md", ".txt", ".toml", ".mjs"}
 # The development models are data that CONTRIBUTING names; a command may say where they lie.
 FOREIGN = re.compile(

@@ -44,7 +44,14 @@ def main() -> int:
             print(f"{edit}: not recovered")
             continue
         shown = [_clay("as it was signed off", marked), _clay("edited", edited)]
-        shown += [Panel("called altered", edited.vertices, edited.faces, altered_colours(found.altered))]
+        shown += [
+            Panel(
+                caption="called altered",
+                points=edited.vertices,
+                faces=edited.faces,
+                colours=altered_colours(found.altered),
+            )
+        ]
         path = folder / f"recovery-{edit.replace('_', '-')}.png"
         panels([*shown, _clay("recovered", back)], path, size=SIZE, view=view)
         print(f"{path}: {path.stat().st_size} bytes, {found.altered_area_fraction:.1%} called altered")
@@ -62,7 +69,7 @@ def _facing(mesh: Mesh, edit: str, viewer: FloatArray) -> Mesh:
 
 
 def _clay(caption: str, mesh: Mesh) -> Panel:
-    return Panel(caption, mesh.vertices, mesh.faces)
+    return Panel(caption=caption, points=mesh.vertices, faces=mesh.faces)
 
 
 if __name__ == "__main__":

@@ -117,7 +117,9 @@ class Vouching:
             if not len(rows):
                 continue
             own, shift = group.take(self._row[asked[rows] % count]), asked[rows] // count * count
-            rings = Rings(own.vertex + shift, own.around + shift[:, None], own.open, own.rim)
+            rings = Rings(
+                vertex=own.vertex + shift, around=own.around + shift[:, None], open=own.open, rim=own.rim
+            )
             found.append(
                 all_candidates(points, rings, ring_shapes(points, rings), self._setting, self._subkey)
             )

@@ -15,7 +15,7 @@ from meshmark.arrays import FloatArray, IntArray
 __all__ = ["Attributes", "Document"]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Attributes:
     """Per-vertex data that a conversion to another format may keep, aligned with `Document.vertices`.
 

@@ -36,7 +36,7 @@ def remarked(mesh: Mesh, seed: int) -> Mesh:
 def given_for(mesh: Mesh) -> Given:
     """Everything an attacker may hold."""
     copies = tuple(remarked(mesh, seed) for seed in range(1, 5))
-    return Given(copies, copies[0], lambda own: remarked(own, 9))
+    return Given(copies=copies, donor=copies[0], embed=lambda own: remarked(own, 9))
 
 
 def odd_strip(count: int = 5) -> Mesh:

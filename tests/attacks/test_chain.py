@@ -153,7 +153,7 @@ def test_without_a_map_a_vertex_is_altered_where_the_nearest_one_before_was(monk
     new = Mesh(*pebble(30))
 
     def renew(_mesh, _strength, _rng, _given):
-        return Attacked(new, None if origin == "none" else np.full(len(new.vertices), -1))
+        return Attacked(mesh=new, origin=None if origin == "none" else np.full(len(new.vertices), -1))
 
     monkeypatch.setitem(table.ATTACKS, "renew", Attack(renew, (1,), "time", "nothing"))
     edited = ATTACKS["bump"].apply(MODEL, 0.2, np.random.default_rng(2))

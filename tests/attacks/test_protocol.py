@@ -23,7 +23,7 @@ RNG = np.random.default_rng(1)
 
 @pytest.mark.parametrize("k", [2, 3, 5])
 def test_collusion_is_the_mean_of_k_models(k):
-    found = ATTACKS["collusion"](MODEL, k, RNG, Given(COPIES)).vertices
+    found = ATTACKS["collusion"](MODEL, k, RNG, Given(copies=COPIES)).vertices
     rows = zip(MODEL.vertices.ravel(), *(copy.vertices.ravel() for copy in COPIES[: k - 1]), strict=True)
     expected = [float(sum(map(Fraction, row)) / k) for row in rows]
     np.testing.assert_allclose(found.ravel(), expected, rtol=0, atol=1e-15)
@@ -31,7 +31,9 @@ def test_collusion_is_the_mean_of_k_models(k):
 
 def test_collusion_lessens_what_the_copies_do_not_share():
     away = [
-        np.linalg.norm(ATTACKS["collusion"](COPIES[0], k, RNG, Given(COPIES[1:])).vertices - MODEL.vertices)
+        np.linalg.norm(
+            ATTACKS["collusion"](COPIES[0], k, RNG, Given(copies=COPIES[1:])).vertices - MODEL.vertices
+        )
         for k in (2, 3, 4)
     ]
     alone = np.linalg.norm(COPIES[0].vertices - MODEL.vertices)
@@ -40,11 +42,11 @@ def test_collusion_lessens_what_the_copies_do_not_share():
 
 def test_collusion_refuses_too_few_and_unfitting_copies():
     with pytest.raises(InputError, match="collusion of 5 needs 4 other copies and was given 3"):
-        ATTACKS["collusion"](MODEL, 5, RNG, Given(COPIES[:3]))
+        ATTACKS["collusion"](MODEL, 5, RNG, Given(copies=COPIES[:3]))
     turned = Mesh(MODEL.vertices, MODEL.faces[::-1])
     for other in (Mesh(*pebble(24)), turned):
         with pytest.raises(InputError, match="copy 2 has other vertices or faces, expected the same model"):
-            ATTACKS["collusion"](MODEL, 3, RNG, Given((COPIES[0], other)))
+            ATTACKS["collusion"](MODEL, 3, RNG, Given(copies=(COPIES[0], other)))
 
 
 def test_the_second_mark_is_what_the_embedder_makes():

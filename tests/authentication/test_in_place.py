@@ -23,7 +23,7 @@ def evidence(seed: int, moved: int | None = None) -> Evidence:
     value = (np.floor(np.einsum("ei,ei->e", home, direction) / STEP) + 0.5) * STEP
     place = home + (part == moved)[:, None] * np.array([0.2, -0.1, 0.15])
     suspect = 17.0 * place @ rotation(bytes([seed]) * 32).T + 3.0
-    return Evidence(np.arange(len(part)), suspect, direction, value, STEP)
+    return Evidence(vertex=np.arange(len(part)), centre=suspect, direction=direction, value=value, step=STEP)
 
 
 def believed(found: Evidence) -> np.ndarray:

@@ -23,7 +23,7 @@ from tests.shapes import pebble
 @pytest.mark.parametrize("kind", KINDS)
 def test_packing_round_trips(kind):
     content = b"" if kind == "none" else bytes(range(256))
-    assert unpack(pack(kind, content)) == Payload(kind, content)
+    assert unpack(pack(kind, content)) == Payload(kind=kind, content=content)
 
 
 @pytest.mark.parametrize("intact", [0.4, 0.55, 1.0])
@@ -34,7 +34,7 @@ def test_what_capacity_promises_is_read_from_that_share_of_the_marks(intact):
     index = np.random.default_rng(2).integers(0, 1 << 32, marks, dtype=np.uint32)[: int(intact * marks)]
     packed = decode(index, source(index), bits)
     assert packed is not None
-    assert unpack(packed) == Payload("image", content)
+    assert unpack(packed) == Payload(kind="image", content=content)
 
 
 def test_what_cannot_be_is_refused():

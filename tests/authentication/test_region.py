@@ -37,7 +37,12 @@ def sheet():
     )
     region = (x // (ACROSS // 4)).ravel()
     shares = np.full(4, 0.25)
-    return faces, Regions(region, (y < ACROSS // 2).ravel(), shares, shares), x.ravel(), y.ravel()
+    return (
+        faces,
+        Regions(region=region, green=(y < ACROSS // 2).ravel(), green_share=shares, blue_share=shares),
+        x.ravel(),
+        y.ravel(),
+    )
 
 
 def checks_with(altered):
@@ -120,7 +125,14 @@ def planted(random):
     features = random.normal(size=(8, 2, len(FEATURES)))
     features[:, :, 1] += 4.0 * altered
     chance = -np.abs(features[:, :, 2])
-    return RegionTrial("bump", 0.05, features, chance, altered.any(axis=1), altered)
+    return RegionTrial(
+        edit="bump",
+        share=0.05,
+        features=features,
+        log10_chance=chance,
+        home=altered.any(axis=1),
+        altered=altered,
+    )
 
 
 def test_training_learns_what_is_planted(monkeypatch):

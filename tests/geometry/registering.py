@@ -43,12 +43,14 @@ def any_similarity(seed: int) -> Similarity:
     """A random rotation, a scale of 0.1 to 10, a shift of a few sizes."""
     rng = np.random.default_rng(seed)
     turn = Rotation.from_quat(rng.normal(size=4)).as_matrix()
-    return Similarity(float(10.0 ** rng.uniform(-1.0, 1.0)), turn, 4.0 * rng.normal(size=3))
+    return Similarity(
+        scale=float(10.0 ** rng.uniform(-1.0, 1.0)), rotation=turn, shift=4.0 * rng.normal(size=3)
+    )
 
 
 def in_scene(frame: Frame) -> Similarity:
     """The way from canonical coordinates to the scene."""
-    return Similarity(frame.scale, frame.axes, frame.centre)
+    return Similarity(scale=frame.scale, rotation=frame.axes, shift=frame.centre)
 
 
 def distance(one: Similarity, other: Similarity, places: FloatArray) -> float:

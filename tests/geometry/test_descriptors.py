@@ -19,7 +19,9 @@ def test_rotation_and_scale_change_nothing(pieces):
     rows = np.arange(0, len(pieces), 20)
     before = describe(pieces, pieces.places[rows], pieces.normals[rows], 0.5)
     turn = Rotation.from_rotvec([0.3, -1.0, 2.0]).as_matrix().T
-    moved = Surfels(3.0 * pieces.places @ turn + 7.0, pieces.normals @ turn, 9.0 * pieces.areas)
+    moved = Surfels(
+        places=3.0 * pieces.places @ turn + 7.0, normals=pieces.normals @ turn, areas=9.0 * pieces.areas
+    )
     after = describe(moved, moved.places[rows], moved.normals[rows], 1.5)
     assert before.shape == (len(rows), DESCRIPTOR_LENGTH)
     np.testing.assert_allclose(after, before, atol=1e-9)
@@ -41,7 +43,9 @@ def test_the_shells_share_out_the_area_within_the_ball():
     step = 0.01
     grid = np.stack(np.meshgrid(*[np.arange(-1, 1, step) + step / 2] * 2), axis=-1).reshape(-1, 2)
     places = np.column_stack([grid, np.zeros(len(grid))])
-    flat = Surfels(places, np.tile([0.0, 0, 1], (len(grid), 1)), np.full(len(grid), step**2))
+    flat = Surfels(
+        places=places, normals=np.tile([0.0, 0, 1], (len(grid), 1)), areas=np.full(len(grid), step**2)
+    )
     values = describe(flat, np.zeros((1, 3)), np.array([[0.0, 0, 1]]), 0.5).reshape(SHELLS, -1)
     distance = np.linalg.norm(places, axis=1) / 0.5
     inside = distance < 1.0

@@ -24,7 +24,7 @@ def test_landmarks_are_spread_each_farthest_from_those_before():
     rng = np.random.default_rng(0)
     facing = rng.normal(size=(200, 3))
     facing /= np.linalg.norm(facing, axis=1)[:, None]
-    pieces = Surfels(rng.normal(size=(200, 3)), facing, np.ones(200))
+    pieces = Surfels(places=rng.normal(size=(200, 3)), normals=facing, areas=np.ones(200))
     rows = spread(pieces, 20, 0.5)
     where = np.concatenate([pieces.places, 0.5 * facing], axis=1)
     for i in range(1, 20):
@@ -33,7 +33,7 @@ def test_landmarks_are_spread_each_farthest_from_those_before():
 
 
 def test_no_more_landmarks_than_pieces():
-    none = Surfels(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0))
+    none = Surfels(places=np.zeros((0, 3)), normals=np.zeros((0, 3)), areas=np.zeros(0))
     assert len(spread(none, 5, 0.1)) == 0
-    one = Surfels(np.zeros((1, 3)), np.array([[0.0, 0, 1]]), np.ones(1))
+    one = Surfels(places=np.zeros((1, 3)), normals=np.array([[0.0, 0, 1]]), areas=np.ones(1))
     np.testing.assert_array_equal(spread(one, 5, 0.1), [0])

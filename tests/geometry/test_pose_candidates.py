@@ -13,12 +13,16 @@ def test_planted_matches_among_wrong_ones_give_the_pose():
     described = landmarks.descriptors.copy()
     wrong = rng.permutation(len(landmarks))[: int(0.8 * len(landmarks))]
     described[wrong] = described[rng.permutation(wrong)]  # four in five lead astray
-    spots = Spots(true(landmarks.places), true.turn(landmarks.normals), described)
+    spots = Spots(places=true(landmarks.places), normals=true.turn(landmarks.normals), descriptors=described)
     poses = candidate_poses(landmarks, spots, 1.1 * true.scale)
     assert distance(poses[0], true, landmarks.places) < 0.05
 
 
 def test_no_spots_no_poses():
     landmarks, _ = reference()
-    none = Spots(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros((0, landmarks.descriptors.shape[1])))
+    none = Spots(
+        places=np.zeros((0, 3)),
+        normals=np.zeros((0, 3)),
+        descriptors=np.zeros((0, landmarks.descriptors.shape[1])),
+    )
     assert candidate_poses(landmarks, none, 1.0) == []

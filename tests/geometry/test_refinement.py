@@ -12,7 +12,7 @@ from tests.geometry.registering import distance, lump, reference
 def off(seed: int, size: float) -> Similarity:
     rng = np.random.default_rng(seed)
     turn = Rotation.from_rotvec(size * rng.normal(size=3)).as_matrix()
-    return Similarity(1.0 + size * rng.normal(), turn, size * rng.normal(size=3))
+    return Similarity(scale=1.0 + size * rng.normal(), rotation=turn, shift=size * rng.normal(size=3))
 
 
 def test_the_planted_pose_comes_back_from_far_and_near():
@@ -58,7 +58,7 @@ def test_a_plane_leaves_doubt():
 def test_far_from_the_surface_nothing_moves():
     landmarks, frame = reference()
     surface = Surface(*lump(), frame)
-    away = Similarity(1.0, np.eye(3), np.array([50.0, 0.0, 0.0]))
+    away = Similarity(scale=1.0, rotation=np.eye(3), shift=np.array([50.0, 0.0, 0.0]))
     assert approach(landmarks, surface.coarse, away) is away
     fit = settle(landmarks, surface.coarse, surface.fine, away)
     assert fit.pose is away

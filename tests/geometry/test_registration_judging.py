@@ -14,7 +14,7 @@ def test_the_true_pose_agrees_from_both_sides_and_others_do_not():
     share, explained = judge(landmarks, surface.coarse, surface.judges, Similarity.identity())
     assert min(share, explained) > 0.9
     for seed in range(5):
-        turned = Similarity(1.0, any_similarity(seed).rotation, np.zeros(3))
+        turned = Similarity(scale=1.0, rotation=any_similarity(seed).rotation, shift=np.zeros(3))
         assert max(judge(landmarks, surface.coarse, surface.judges, turned)) < 0.6
 
 
@@ -32,5 +32,5 @@ def test_half_a_surface_is_explained_by_a_share_of_the_landmarks():
 def test_far_away_nothing_agrees():
     landmarks, frame = reference()
     surface = Surface(*lump(), frame)
-    away = Similarity(1.0, np.eye(3), np.array([50.0, 0.0, 0.0]))
+    away = Similarity(scale=1.0, rotation=np.eye(3), shift=np.array([50.0, 0.0, 0.0]))
     assert judge(landmarks, surface.coarse, surface.judges, away) == (0.0, 0.0)

@@ -88,11 +88,11 @@ def test_gathering_keeps_the_sheets_of_a_thin_wall_apart():
     top = np.column_stack([x.ravel(), y.ravel(), np.full(900, 0.01)])
     both = np.concatenate([top, top * [1, 1, -1]])
     vectors = np.concatenate([np.tile([0, 0, 1 / 900], (900, 1)), np.tile([0, 0, -1 / 900], (900, 1))])
-    fewer = gathered(Samples(both, vectors, np.full(1800, 1 / 900)), 0.1)
+    fewer = gathered(Samples(positions=both, vectors=vectors, areas=np.full(1800, 1 / 900)), 0.1)
     assert len(fewer.areas) < 600
     np.testing.assert_allclose(np.einsum("ij,ij->", fewer.positions, fewer.vectors), 0.02)
 
 
 def test_nothing_gathers_to_nothing():
-    empty = Samples(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0))
+    empty = Samples(positions=np.zeros((0, 3)), vectors=np.zeros((0, 3)), areas=np.zeros(0))
     assert len(gathered(empty, 0.1).areas) == 0

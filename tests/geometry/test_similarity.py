@@ -12,7 +12,7 @@ from tests.counting import some
 def planted(seed: int) -> Similarity:
     rng = np.random.default_rng(seed)
     turn = Rotation.from_quat(rng.normal(size=4)).as_matrix()
-    return Similarity(float(rng.uniform(0.1, 10.0)), turn, 5.0 * rng.normal(size=3))
+    return Similarity(scale=float(rng.uniform(0.1, 10.0)), rotation=turn, shift=5.0 * rng.normal(size=3))
 
 
 def test_a_planted_similarity_comes_back():
@@ -41,7 +41,9 @@ def test_the_fit_is_the_least_squares_one():
     error = np.square(best(points) - target).sum()
     for _ in range(200):
         turn = Rotation.from_rotvec(1e-3 * rng.normal(size=3)).as_matrix()
-        other = Similarity(1.0 + 1e-3 * rng.normal(), turn, 1e-3 * rng.normal(size=3)).after(best)
+        other = Similarity(
+            scale=1.0 + 1e-3 * rng.normal(), rotation=turn, shift=1e-3 * rng.normal(size=3)
+        ).after(best)
         assert np.square(other(points) - target).sum() >= error
 
 

@@ -14,7 +14,7 @@ UP = np.array([[0.0, 0.0, 1.0]])
 def sheet(height: np.ndarray, normals: np.ndarray | None = None) -> Surfels:
     places = np.column_stack([GRID, height])
     facing = np.tile(UP, (len(GRID), 1)) if normals is None else normals
-    return Surfels(places, facing, np.full(len(GRID), STEP**2))
+    return Surfels(places=places, normals=facing, areas=np.full(len(GRID), STEP**2))
 
 
 def test_a_plane_is_seen_at_its_height():

@@ -18,11 +18,15 @@ from tests.io.compressed_samples import STREAMS, bytes_of, draco_grid
 def stream(item: list, **more: object) -> Stream:
     mode, filter_, count, stride, *_ = item
     given = {"mode": mode, "filter": filter_, "count": count, "stride": stride, **more}
-    return Stream("bufferView 7", bytes_of(item), "meshopt", given, count * stride)
+    return Stream(
+        where="bufferView 7", data=bytes_of(item), codec="meshopt", parameters=given, unpacked=count * stride
+    )
 
 
 def draco(data: bytes, ids: list[int]) -> Stream:
-    return Stream("mesh 1, primitive 2", data, "draco", {"attributes": ids}, 1000)
+    return Stream(
+        where="mesh 1, primitive 2", data=data, codec="draco", parameters={"attributes": ids}, unpacked=1000
+    )
 
 
 def test_arrays_come_back_in_the_order_of_the_streams() -> None:
@@ -69,13 +73,17 @@ def test_memory_is_limited() -> None:
     data = b"\xa1" + b"\xaa" * -(-count // 256) + bytes(24)
     given = {"mode": "ATTRIBUTES", "filter": "NONE", "count": count, "stride": 4}
     with pytest.raises(FormatError, match="its compressed data needs more than 1 GB to decode"):
-        decode_streams([Stream("bufferView 0", data, "meshopt", given, 1000)])
+        decode_streams(
+            [Stream(where="bufferView 0", data=data, codec="meshopt", parameters=given, unpacked=1000)]
+        )
 
 
 def test_what_claims_to_grow_beyond_any_mesh_is_refused() -> None:
-    small = Stream("bufferView 0", bytes(1000), "meshopt", {}, 33 << 20)
+    small = Stream(where="bufferView 0", data=bytes(1000), codec="meshopt", parameters={}, unpacked=33 << 20)
     with pytest.raises(FormatError, match=r"1,000 bytes claims to unpack to 34,603,008 bytes"):
         decode_streams([small])
-    large = Stream("bufferView 0", bytes(20 << 20), "meshopt", {}, 600 << 20)
+    large = Stream(
+        where="bufferView 0", data=bytes(20 << 20), codec="meshopt", parameters={}, unpacked=600 << 20
+    )
     with pytest.raises(FormatError, match="unpacks to 600 MB, the most that is read is 512 MB"):
         decode_streams([large])

@@ -99,7 +99,7 @@ def test_a_ten_millionth_of_the_diagonal_is_resolved_at_any_scale(name: str, sca
 
 @given(st.lists(st.floats(-1e8, 1e8), min_size=1), st.integers(1, 12))
 def test_fixed_decimals_equal_percent_formatting_of_the_rounded(numbers: list[float], digits: int) -> None:
-    style = NumberStyle("fixed", 6, digits, digits)
+    style = NumberStyle(kind="fixed", significant=6, decimals=digits, least=digits)
     rounded = round_numbers(style, digits, np.array(numbers))
     letters, lengths = format_numbers(style, digits, rounded)
     words = [f"{value:.{digits}f}" for value in rounded.tolist()]
@@ -109,7 +109,7 @@ def test_fixed_decimals_equal_percent_formatting_of_the_rounded(numbers: list[fl
 
 @given(st.lists(st.floats(-1e12, 1e12), min_size=1), st.integers(1, 15))
 def test_general_equals_percent_g(numbers: list[float], digits: int) -> None:
-    style = NumberStyle("general", digits, digits, 0, exponents=True)
+    style = NumberStyle(kind="general", significant=digits, decimals=digits, least=0, exponents=True)
     rounded = round_numbers(style, digits, np.array(numbers))
     letters, lengths = format_numbers(style, digits, rounded)
     words = [

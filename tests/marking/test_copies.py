@@ -57,13 +57,13 @@ def test_copies_are_marked_as_one_and_read_from_the_file_and_from_what_bakes_the
     result = embed_file(tmp_path / "in.glb", tmp_path / "out.glb", KEY, id=ID, layers="both")
     written = read_mesh(tmp_path / "out.glb")
     for mesh in (written, baked(written, tmp_path / "out.obj"), baked(written, tmp_path / "out.stl")):
-        found = extract(mesh, KEY, locking=False)
+        found = extract(mesh, KEY, search="plain")
         assert (found.presence, found.id) == ("present", ID)
         assert found.log10_false_positive < -30
         verdict = authenticate(mesh, KEY)
         assert (verdict.verdict, verdict.id, verdict.points_missing) == ("authentic", ID, 0)
     assert result.rms_over_diagonal <= 8e-4
-    assert extract(written, OTHER, locking=False).id is None
+    assert extract(written, OTHER, search="plain").id is None
 
 
 def test_two_items_and_a_component_of_a_3mf_are_copies(tmp_path):
@@ -72,7 +72,7 @@ def test_two_items_and_a_component_of_a_3mf_are_copies(tmp_path):
     embed_file(tmp_path / "in.3mf", tmp_path / "out.3mf", KEY, id=ID, layers="both")
     written = read_mesh(tmp_path / "out.3mf")
     for mesh in (written, baked(written, tmp_path / "out.ply")):
-        assert extract(mesh, KEY, locking=False).id == ID
+        assert extract(mesh, KEY, search="plain").id == ID
         assert authenticate(mesh, KEY).verdict == "authentic"
 
 
@@ -119,7 +119,7 @@ def test_what_is_changed_in_one_copy_is_found_there(marked, part, cut):
     assert np.linalg.norm(mesh.vertices[altered] - centre, axis=1).max() < 0.8
     if not cut:
         assert found.altered[near].mean() > 0.9
-        assert extract(edited, KEY, locking=False).id == ID
+        assert extract(edited, KEY, search="plain").id == ID
 
 
 def test_a_copy_more_or_less_is_an_alteration(marked):
@@ -133,7 +133,7 @@ def test_a_copy_more_or_less_is_an_alteration(marked):
     for other, missing in ((one, COUNT), (three, -COUNT)):
         found = authenticate(other, KEY)
         assert (found.verdict, found.points_missing) == ("altered", missing)
-        assert extract(other, KEY, locking=False).id == ID
+        assert extract(other, KEY, search="plain").id == ID
 
 
 def test_the_mark_comes_off_all_copies(marked):
@@ -179,14 +179,14 @@ def test_copies_too_small_for_the_ground_they_stand_on_carry_the_id_alone(tmp_pa
     result = embed_file(tmp_path / "in.glb", tmp_path / "out.glb", KEY, id=ID)
     written = read_mesh(tmp_path / "out.glb")
     for mesh in (written, baked(written, tmp_path / "out.obj")):
-        assert extract(mesh, KEY, locking=False).id == ID
+        assert extract(mesh, KEY, search="plain").id == ID
     assert extract(written, KEY, reference=result.certificate).id == ID
 
 
 def test_each_layer_alone_is_there_for_copies(tmp_path):
     mesh = glb(tmp_path / "in.glb", *SCENES["two"])
     alone = embed(mesh, KEY, id=ID, layers="ownership")
-    assert extract(alone.mesh, KEY, locking=False).id == ID
+    assert extract(alone.mesh, KEY, search="plain").id == ID
     upper = embed(mesh, KEY, id=ID, layers="authentication")
     assert authenticate(upper.mesh, KEY).verdict == "authentic"
     assert authenticate(Mesh(upper.mesh.vertices, upper.mesh.faces), KEY).verdict == "authentic"
@@ -195,4 +195,4 @@ def test_each_layer_alone_is_there_for_copies(tmp_path):
 @pytest.mark.parametrize("whole", [Whole(12, 0.5), Whole(12, 0.5, 6), Whole()])
 def test_a_payload_keeps_how_many_points_are_no_copies(whole):
     packed = pack("bytes", b"text", whole)
-    assert unpack(packed) == Payload("bytes", b"text", whole)
+    assert unpack(packed) == Payload(kind="bytes", content=b"text", whole=whole)

@@ -15,7 +15,7 @@ from tests.counting import Share, some
 def residual_problem(residual, jacobian):
     def expand(x):
         r, j = residual(x), jacobian(x)
-        return Normal(0.5 * float(r @ r), j.T @ r, j.T @ j)
+        return Normal(loss=0.5 * float(r @ r), gradient=j.T @ r, hessian=j.T @ j)
 
     return (lambda x: 0.5 * float(residual(x) @ residual(x))), expand
 

@@ -48,7 +48,7 @@ def test_blind_reading_survives(marked, text):
 @pytest.mark.parametrize("text", ["crop:0.3", "crop:0.1+noise:0.003+similarity:1", "crop:0.4"])
 def test_the_certificate_finds_the_mark_where_blind_reading_fails(marked, text):
     suspect = attacked(marked.mesh, text)
-    assert extract(suspect, KEY, locking=False).id is None
+    assert extract(suspect, KEY, search="plain").id is None
     found = extract(suspect, KEY, reference=marked.certificate)
     assert (found.presence, found.id, found.mode) == ("present", ID, "certificate")
     assert found.log10_false_positive <= -6.0

@@ -22,7 +22,9 @@ def patches(count: int = 220, seed: int = 0) -> tuple[Cells, Relief]:
     bending = rng.normal(size=(count, 2)) * 0.02
     grain = np.exp(rng.normal(size=count)) * 0.01
     mass, flatness = rng.uniform(0.4, 1.0, count), rng.uniform(0.7, 1.0, count)
-    return Cells(nodes, offset, normal, mass, flatness), Relief(bending, grain)
+    return Cells(nodes=nodes, offset=offset, normal=normal, mass=mass, flatness=flatness), Relief(
+        bending, grain
+    )
 
 
 def test_a_planted_error_is_taken_off():

@@ -6,7 +6,7 @@ from meshmark.coding.keys import Key
 from meshmark.errors import InputError
 from meshmark.marking import extract
 from meshmark.mesh import Mesh
-from meshmark.ownership import extraction
+from meshmark.ownership.search import trials
 from tests.shapes import pebble
 
 KEY = Key(bytes(32))
@@ -23,7 +23,7 @@ def test_a_search_without_a_limit_ends_with_absent(model):
 
 def test_a_limit_that_is_reached_leaves_the_question_open(model, monkeypatch):
     clock = iter(range(10**6))
-    monkeypatch.setattr(extraction, "monotonic", lambda: next(clock))
+    monkeypatch.setattr(trials, "monotonic", lambda: next(clock))
     found = extract(model, KEY, time_limit=3.0)
     assert (found.presence, found.id) == ("inconclusive", None)
     assert "time limit" in found.advice
@@ -31,7 +31,7 @@ def test_a_limit_that_is_reached_leaves_the_question_open(model, monkeypatch):
 
 def test_a_limit_before_the_first_reading_says_so_too(model, monkeypatch):
     clock = iter((0.0, 5.0))
-    monkeypatch.setattr(extraction, "monotonic", lambda: next(clock))
+    monkeypatch.setattr(trials, "monotonic", lambda: next(clock))
     found = extract(model, KEY, time_limit=1.0)
     assert (found.presence, found.carriers) == ("inconclusive", 0)
     assert "time limit" in found.advice

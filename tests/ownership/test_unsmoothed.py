@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import count
-
 import numpy as np
 import pytest
 
@@ -13,6 +11,8 @@ from meshmark.marking import embed, extract
 from meshmark.mesh import Mesh
 from meshmark.ownership.parameters import LOCK_STEPS, SPACING_TRIES
 from meshmark.ownership.search import unsmoothed as module
+from meshmark.ownership.search.search import Search
+from meshmark.ownership.search.trials import TrialCounter
 from tests.keys import ID, KEY
 from tests.shapes import pebble
 
@@ -50,7 +50,10 @@ def test_a_smoothed_coarse_model_is_read(marked, text, monkeypatch):
 
 def test_readings_pay_for_all_that_was_tried(marked):
     surface = weld(attacked(marked, "smoothing:5"))
-    (first,) = module.unsmoothed_readings(surface, KEY, 4096, count(5))
+    trials = TrialCounter()
+    for _ in range(4):
+        trials.charge()
+    (first,) = module.unsmoothed_readings(Search(surface=surface, key=KEY, trials=trials))
     shapes = sum(len(passes) for passes in module.SMOOTHINGS.values())
     assert first.hypotheses >= 5 * 6 * shapes * len(LOCK_STEPS) * SPACING_TRIES
     assert first.log10_chance < -15.0
@@ -58,7 +61,7 @@ def test_readings_pay_for_all_that_was_tried(marked):
 
 def test_of_another_model_nothing_is_yielded():
     surface = weld(attacked(Mesh(*pebble(28)), "smoothing:5"))
-    assert not list(module.unsmoothed_readings(surface, KEY, 4096, count(1)))
+    assert not list(module.unsmoothed_readings(Search(surface=surface, key=KEY)))
 
 
 def test_shapes_that_got_rough_are_left_out(marked):
@@ -68,4 +71,4 @@ def test_shapes_that_got_rough_are_left_out(marked):
 
 def test_a_fine_mesh_is_left_to_the_restorations(marked, monkeypatch):
     monkeypatch.setattr(module, "COARSE", 100)
-    assert not list(module.unsmoothed_readings(weld(marked), KEY, 4096, count(1)))
+    assert not list(module.unsmoothed_readings(Search(surface=weld(marked), key=KEY)))

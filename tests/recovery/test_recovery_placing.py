@@ -22,7 +22,7 @@ def canonical():
 def pose_of(seed: int) -> Similarity:
     rng = np.random.default_rng(seed)
     turn = Rotation.random(random_state=seed).as_matrix()
-    return Similarity(float(10.0 ** rng.uniform(-2, 2)), turn, rng.normal(size=3))
+    return Similarity(scale=float(10.0 ** rng.uniform(-2, 2)), rotation=turn, shift=rng.normal(size=3))
 
 
 def away(found: Similarity, true: Similarity, places: np.ndarray) -> float:

@@ -79,7 +79,11 @@ def test_a_turned_scaled_and_moved_suspect_is_recovered_alike(model, small, seed
     def placed(points: np.ndarray) -> np.ndarray:
         return 0.1 * points @ turn.T + [5.0, -3.0, 1.0]
 
-    moved = Attacked(Mesh(placed(attacked.mesh.vertices), model.faces), attacked.origin, attacked.altered)
+    moved = Attacked(
+        mesh=Mesh(placed(attacked.mesh.vertices), model.faces),
+        origin=attacked.origin,
+        altered=attacked.altered,
+    )
     _, _, found = recovered(moved, small)
     assert error(Mesh(placed(model.vertices), model.faces), found.points, found.faces) < 0.002
 

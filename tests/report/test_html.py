@@ -43,7 +43,8 @@ def test_every_template_is_in_the_package_and_compiles(folder):
 
 def test_the_library_is_imported_only_to_make_a_page():
     code = (
-        "import sys, meshmark.cli.main, meshmark.report.authentication_page, meshmark.research.benchmark.page.page\n"
+        "import sys, meshmark.cli.main, meshmark.report.authentication_page\n"
+        "import meshmark.research.benchmark.page.page\n"
         "assert 'jinja2' not in sys.modules and 'markupsafe' not in sys.modules"
     )
     subprocess.run([sys.executable, "-c", code], check=True)

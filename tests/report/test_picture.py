@@ -24,7 +24,9 @@ RED, BLUE = [0.8, 0.02, 0.02], [0.02, 0.02, 0.8]
 def test_a_sphere_fills_a_disc_of_its_colour_lit_from_above() -> None:
     points, faces, tip = sphere_with_a_spike(60)
     points[tip] /= 1.3
-    picture = render(Panel("", points, faces, np.tile(RED, (len(points), 1))), 120, np.eye(3)).astype(int)
+    picture = render(
+        Panel(caption="", points=points, faces=faces, colours=np.tile(RED, (len(points), 1))), 120, np.eye(3)
+    ).astype(int)
     red = (picture[..., 0] > picture[..., 1] + 60) & (picture[..., 0] > picture[..., 2] + 60)
     assert red.sum() == pytest.approx(np.pi * (60 * 0.86) ** 2, rel=0.03)
     assert picture[30, 60, 0] > picture[90, 60, 0]
@@ -36,14 +38,18 @@ def test_the_nearer_surface_hides_the_other() -> None:
     faces = np.array([[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]])
     colours = np.array([RED, RED, BLUE, BLUE])
     for view, channel in ((np.eye(3), 2), (np.diag([-1.0, 1.0, -1.0]), 0)):
-        middle = render(Panel("", points, faces, colours), 40, view)[20, 20]
+        middle = render(Panel(caption="", points=points, faces=faces, colours=colours), 40, view)[20, 20]
         assert middle.argmax() == channel
 
 
 def test_labels_are_drawn_flat_with_a_dark_border() -> None:
     square = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], float)
     panel = Panel(
-        "", square, np.array([[0, 1, 2], [0, 2, 3]]), np.array([RED, BLUE]), labels=np.array([0, 1, 1, 0])
+        caption="",
+        points=square,
+        faces=np.array([[0, 1, 2], [0, 2, 3]]),
+        colours=np.array([RED, BLUE]),
+        labels=np.array([0, 1, 1, 0]),
     )
     row = render(panel, 80, np.eye(3))[40].astype(int)
     assert row[20].argmax() == 0
@@ -55,7 +61,7 @@ def test_hidden_marks_are_not_drawn() -> None:
     points, faces, _ = sphere_with_a_spike()
     front, back = int(points[:, 2].argmax()), int(points[:, 2].argmin())
     plain, seen, hidden = (
-        render(Panel("", points, faces, marks=np.array(marks, int)), 60, np.eye(3))
+        render(Panel(caption="", points=points, faces=faces, marks=np.array(marks, int)), 60, np.eye(3))
         for marks in ([], [front], [back])
     )
     assert (plain != seen).any()
@@ -90,7 +96,7 @@ def test_pictures_of_results_are_png_of_the_size_asked_for(tmp_path: Path) -> No
 def test_a_place_that_cannot_be_written_is_said(tmp_path: Path) -> None:
     points, faces, _ = sphere_with_a_spike()
     with pytest.raises(OutputError, match="cannot write"):
-        panels([Panel("", points, faces)], tmp_path / "no" / "folder.png", size=50)
+        panels([Panel(caption="", points=points, faces=faces)], tmp_path / "no" / "folder.png", size=50)
 
 
 def test_colours_survive_the_round_trip_and_heat_darkens_evenly() -> None:

@@ -32,7 +32,7 @@ def test_the_full_system_has_the_map_of_the_report(surface):
 @pytest.mark.parametrize("saliency", SALIENCY)
 @pytest.mark.parametrize("segmentation", SEGMENTATION)
 def test_every_choice_parts_the_whole_surface(surface, saliency, segmentation):
-    modules = Modules(saliency, segmentation)
+    modules = Modules(saliency=saliency, segmentation=segmentation)
     one, other = (region_map(surface, modules, np.random.default_rng(3)) for _ in range(2))
     assert np.array_equal(one.region, other.region), "the same random numbers give the same map"
     assert set(one.region) == set(range(len(one.green_share)))

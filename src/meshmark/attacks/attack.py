@@ -19,7 +19,7 @@ Function = Callable[[Mesh, float, np.random.Generator, "Given"], "Attacked"]
 Need = Literal["", "copies", "donor", "embed"]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Attacked:
     """An attacked mesh of n vertices.
 
@@ -34,7 +34,7 @@ class Attacked:
     altered: NDArray[np.bool_] | None = None
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Given:
     """What an attacker may hold besides the model.
 
@@ -105,7 +105,7 @@ class Attack:
         """
         self.check(strength)
         if strength == 0.0:
-            return Attacked(mesh, np.arange(len(mesh.vertices)))
+            return Attacked(mesh=mesh, origin=np.arange(len(mesh.vertices)))
         held = given or Given()
         if self.needs and not getattr(held, self.needs):
             raise InputError(_MISSING[self.needs])

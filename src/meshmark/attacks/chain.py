@@ -60,7 +60,7 @@ class Chain:
         that step did. Raises what `Attack.apply` raises.
         """
         streams = [rng, *rng.spawn(max(len(self.steps) - 1, 0))]
-        result = Attacked(mesh, np.arange(len(mesh.vertices)))
+        result = Attacked(mesh=mesh, origin=np.arange(len(mesh.vertices)))
         for (name, strength), stream in zip(self.steps, streams, strict=False):
             step = find_attack(name).apply(result.mesh, strength, stream, given)
             result = _combined(result, step)
@@ -95,7 +95,9 @@ def _shortest(strength: float) -> str:
 
 def _combined(before: Attacked, step: Attacked) -> Attacked:
     """Return the maps from the very first mesh to the last one."""
-    return Attacked(step.mesh, _origin(before.origin, step.origin), _altered(before, step))
+    return Attacked(
+        mesh=step.mesh, origin=_origin(before.origin, step.origin), altered=_altered(before, step)
+    )
 
 
 def _origin(before: IntArray | None, step: IntArray | None) -> IntArray | None:

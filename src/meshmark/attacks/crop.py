@@ -36,7 +36,7 @@ def without(mesh: Mesh, gone: NDArray[np.bool_]) -> Attacked:
     """
     number = np.cumsum(~gone) - 1
     faces = mesh.faces[~gone[mesh.faces].any(axis=1)]
-    return Attacked(Mesh(mesh.vertices[~gone], number[faces]), np.flatnonzero(~gone))
+    return Attacked(mesh=Mesh(mesh.vertices[~gone], number[faces]), origin=np.flatnonzero(~gone))
 
 
 def _farthest(welded: Welded, height: FloatArray, share: float) -> NDArray[np.bool_]:

@@ -37,7 +37,7 @@ def through_file(format_name: str) -> Function:
             write_mesh(rounded, path)
             back = read_mesh(path)
         corners = mesh.faces.ravel() if format_name == "stl" else np.arange(len(mesh.vertices))
-        return Attacked(Mesh(back.vertices, back.faces), corners)
+        return Attacked(mesh=Mesh(back.vertices, back.faces), origin=corners)
 
     attack.__doc__ = f"Write the mesh to a {format_name.upper()} file as exporters do, and read it back."
     return attack

@@ -39,7 +39,7 @@ def add_part(mesh: Mesh, strength: float, rng: np.random.Generator, _given: Give
     old = len(mesh.vertices)
     origin = np.concatenate([np.arange(old), np.full(len(new), -1)])
     whole = Mesh(np.concatenate([mesh.vertices, new]), np.concatenate([mesh.faces, faces + old]))
-    return Attacked(whole, origin, origin < 0)
+    return Attacked(mesh=whole, origin=origin, altered=origin < 0)
 
 
 def _ball(count: int, rng: np.random.Generator) -> tuple[FloatArray, IntArray]:

@@ -43,4 +43,4 @@ def without_loose(
     used[faces] = True
     kept = used | ~doubtful
     number = np.cumsum(kept) - 1
-    return Attacked(Mesh(vertices[kept], number[faces]), origin[kept], altered[kept])
+    return Attacked(mesh=Mesh(vertices[kept], number[faces]), origin=origin[kept], altered=altered[kept])

@@ -22,7 +22,7 @@ __all__ = ["Patch", "draw_patch", "unit"]
 MARGIN = 1.05
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Patch:
     """Points of a welded mesh around a centre.
 
@@ -57,7 +57,9 @@ class Patch:
         vertices = self.mesh.vertices.copy()
         vertices[touched] = points[self.welded.point_of_vertex[touched]]
         altered = (vertices != self.mesh.vertices).any(axis=1)
-        return Attacked(self.mesh.with_vertices(vertices), np.arange(len(vertices)), altered)
+        return Attacked(
+            mesh=self.mesh.with_vertices(vertices), origin=np.arange(len(vertices)), altered=altered
+        )
 
 
 def draw_patch(mesh: Mesh, share: float, rng: np.random.Generator) -> Patch:
@@ -81,7 +83,14 @@ def draw_patch(mesh: Mesh, share: float, rng: np.random.Generator) -> Patch:
     if np.isfinite(distance[following]):
         radius = max(radius, distance[following])
     reach = distance[members] / radius
-    return Patch(mesh, welded, members, reach, radius, _normal(welded, members, reach, rng))
+    return Patch(
+        mesh=mesh,
+        welded=welded,
+        members=members,
+        reach=reach,
+        radius=radius,
+        normal=_normal(welded, members, reach, rng),
+    )
 
 
 def unit(rng: np.random.Generator) -> FloatArray:

@@ -13,7 +13,7 @@ __all__ = ["centroid", "mean_radius", "moved", "moved_points"]
 
 def moved(mesh: Mesh, vertices: FloatArray) -> Attacked:
     """Return the mesh with its vertices at other places, (n, 3): same faces, same file, same numbers."""
-    return Attacked(mesh.with_vertices(vertices), np.arange(len(mesh.vertices)))
+    return Attacked(mesh=mesh.with_vertices(vertices), origin=np.arange(len(mesh.vertices)))
 
 
 def moved_points(mesh: Mesh, welded: Welded, points: FloatArray) -> Attacked:

@@ -18,13 +18,13 @@ def shuffle(mesh: Mesh, _strength: float, rng: np.random.Generator, _given: Give
     number[origin] = np.arange(len(origin))
     start = rng.integers(3, size=(len(mesh.faces), 1))
     turned = np.take_along_axis(mesh.faces, (start + np.arange(3)) % 3, axis=1)
-    return Attacked(Mesh(mesh.vertices[origin], number[rng.permutation(turned)]), origin)
+    return Attacked(mesh=Mesh(mesh.vertices[origin], number[rng.permutation(turned)]), origin=origin)
 
 
 def weld(mesh: Mesh, _strength: float, _rng: np.random.Generator, _given: Given) -> Attacked:
     """Make coincident vertices one, and drop the faces that this leaves without three corners."""
     welded = weld_points(mesh)
-    return Attacked(Mesh(welded.points, welded.faces), welded.vertex_of_point)
+    return Attacked(mesh=Mesh(welded.points, welded.faces), origin=welded.vertex_of_point)
 
 
 def unweld(mesh: Mesh, _strength: float, _rng: np.random.Generator, _given: Given) -> Attacked:
@@ -32,4 +32,6 @@ def unweld(mesh: Mesh, _strength: float, _rng: np.random.Generator, _given: Give
     lone = np.ones(len(mesh.vertices), bool)
     lone[mesh.faces] = False
     origin = np.concatenate([mesh.faces.ravel(), np.flatnonzero(lone)])
-    return Attacked(Mesh(mesh.vertices[origin], np.arange(mesh.faces.size).reshape(-1, 3)), origin)
+    return Attacked(
+        mesh=Mesh(mesh.vertices[origin], np.arange(mesh.faces.size).reshape(-1, 3)), origin=origin
+    )

@@ -32,7 +32,7 @@ def paste(mesh: Mesh, strength: float, rng: np.random.Generator, given: Given) -
         inside = hole.holds[hole.welded.point_of_vertex]
         result = moved(mesh, np.where(inside[:, None], donor.vertices, mesh.vertices))
         altered = (result.mesh.vertices != mesh.vertices).any(axis=1)
-        return Attacked(result.mesh, result.origin, altered)
+        return Attacked(mesh=result.mesh, origin=result.origin, altered=altered)
     part = draw_patch(donor, strength, rng)
     piece = without(donor, ~part.holds[part.welded.point_of_vertex]).mesh
     return _joined(hole, Mesh(_laid_in(piece.vertices, part, hole), piece.faces), strength)
@@ -59,12 +59,12 @@ def _joined(hole: Patch, piece: Mesh, share: float) -> Attacked:
     rim[hole.welded.point_of_vertex[mesh.faces[gone[mesh.faces].any(axis=1)]]] = True
     count, new = len(rest.mesh.vertices), len(piece.vertices)
     return Attacked(
-        Mesh(
+        mesh=Mesh(
             np.concatenate([rest.mesh.vertices, piece.vertices]),
             np.concatenate([rest.mesh.faces, piece.faces + count]),
         ),
-        np.concatenate([np.flatnonzero(~gone), np.full(new, -1)]),
-        np.concatenate([rim[hole.welded.point_of_vertex[~gone]], np.ones(new, bool)]),
+        origin=np.concatenate([np.flatnonzero(~gone), np.full(new, -1)]),
+        altered=np.concatenate([rim[hole.welded.point_of_vertex[~gone]], np.ones(new, bool)]),
     )
 
 

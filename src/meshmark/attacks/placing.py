@@ -41,7 +41,7 @@ def mirror(mesh: Mesh, _strength: float, _rng: np.random.Generator, _given: Give
     low, high = mesh.vertices[:, 0].min(), mesh.vertices[:, 0].max()
     vertices = mesh.vertices.copy()
     vertices[:, 0] = low + high - vertices[:, 0]
-    return Attacked(Mesh(vertices, mesh.faces[:, [0, 2, 1]]), np.arange(len(vertices)))
+    return Attacked(mesh=Mesh(vertices, mesh.faces[:, [0, 2, 1]]), origin=np.arange(len(vertices)))
 
 
 def _any_rotation(rng: np.random.Generator) -> Rotation:

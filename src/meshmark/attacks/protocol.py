@@ -33,7 +33,7 @@ def second_mark(mesh: Mesh, _strength: float, _rng: np.random.Generator, given: 
     embed = cast("Callable[[Mesh], Mesh]", given.embed)  # `Attack.apply` has checked that there is one
     marked = embed(mesh)
     same = len(marked.vertices) == len(mesh.vertices)
-    return Attacked(marked, np.arange(len(mesh.vertices)) if same else None)
+    return Attacked(mesh=marked, origin=np.arange(len(mesh.vertices)) if same else None)
 
 
 def collusion(mesh: Mesh, strength: float, _rng: np.random.Generator, given: Given) -> Attacked:

@@ -54,7 +54,7 @@ def remeshing(mesh: Mesh, strength: float, _rng: np.random.Generator, _given: Gi
         raise InputError(f"{count:.0f} faces would be made, expected at most {MAX_FACES}: raise the strength")
     new_points, new_faces = _in_a_child(points, faces, edge)
     joined = weld(Mesh(new_points * scale + middle, new_faces))
-    return Attacked(Mesh(joined.points, joined.faces), None)
+    return Attacked(mesh=Mesh(joined.points, joined.faces), origin=None)
 
 
 def _in_a_child(points: FloatArray, faces: IntArray, edge: float) -> tuple[FloatArray, IntArray]:

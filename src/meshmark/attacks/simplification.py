@@ -43,7 +43,7 @@ def simplification(mesh: Mesh, strength: float, _rng: np.random.Generator, _give
             break
         points, faces, left = _collapse(points, faces, target, size)
         kept = kept[left]
-    return Attacked(Mesh(points, faces), welded.vertex_of_point[used[kept]])
+    return Attacked(mesh=Mesh(points, faces), origin=welded.vertex_of_point[used[kept]])
 
 
 def _collapse(

@@ -61,10 +61,10 @@ def _repeated(mesh: Mesh, strength: float, step: Step, growth: int) -> Attacked:
         points, faces = step(points, faces)
     origin = np.full(len(points), -1)
     origin[: len(welded.points)] = welded.vertex_of_point
-    return Attacked(Mesh(points, faces), origin)
+    return Attacked(mesh=Mesh(points, faces), origin=origin)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class _Edges:
     """The edges of a surface.
 
@@ -85,7 +85,7 @@ def _edges(faces: IntArray, count: int) -> _Edges:
     of_face = np.searchsorted(ends[:, 0] * count + ends[:, 1], name)
     sides = np.bincount(of_face.ravel(), minlength=len(ends))
     forward = np.bincount(of_face[start < end], minlength=len(ends))
-    return _Edges(ends, of_face, sides != 2, (sides == 2) & (forward == 1))
+    return _Edges(ends=ends, of_face=of_face, border=sides != 2, opposed=(sides == 2) & (forward == 1))
 
 
 def _in_four(points: FloatArray, faces: IntArray, edges: _Edges) -> IntArray:

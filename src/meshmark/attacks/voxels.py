@@ -61,7 +61,7 @@ def voxels(mesh: Mesh, strength: float, rng: np.random.Generator, _given: Given)
     new_points, new_faces, _, _ = measure.marching_cubes(field, 0.0, gradient_direction="descent")
     new_faces = new_faces[:, ::-1] if inverted else new_faces
     scene = (new_points.astype(np.float64) - phase) * voxel + corner
-    return Attacked(Mesh(scene, new_faces.astype(np.int64)), None)
+    return Attacked(mesh=Mesh(scene, new_faces.astype(np.int64)), origin=None)
 
 
 def _volume(points: FloatArray, faces: IntArray) -> float:

@@ -20,7 +20,6 @@ from scipy.special import stdtrit
 
 from meshmark.authentication.marks.precision import precision_of
 from meshmark.certificate.certificate import Certificate
-from meshmark.coding.codec import Codec
 from meshmark.coding.keyed import keyed_words
 from meshmark.coding.keys import Key
 from meshmark.geometry.frame import Frame, canonical_frame, frame_alternatives
@@ -32,7 +31,7 @@ from meshmark.ownership.carriers.nodes import find_nodes
 from meshmark.ownership.carriers.pose import Pose
 from meshmark.ownership.carriers.quantisation import bit_phase
 from meshmark.ownership.parameters import LONGEST_SAMPLE, SURELY_SKEW
-from meshmark.ownership.search.reading import read_cells
+from meshmark.ownership.search.measurement import read_cells
 
 __all__ = ["FIELD", "ROUNDINGS", "WRONG_LOG10", "Since", "since_written", "with_written"]
 
@@ -101,7 +100,7 @@ def _dropped(mesh: Mesh, key: Key, certificate: Certificate, written: float, car
     return written * float(np.mean(kept)) - now.score / carriers > limit * deviation
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class _Lock:
     """frame: that the lattice was read in; nodes: (n, 3) cells; phase: (n,) radians."""
 
@@ -126,7 +125,6 @@ class _Reader:
     def __init__(self, surface: Welded, key: Key, certificate: Certificate) -> None:
         self._surface, self._step = surface, certificate.step
         self._lattice = Lattice.keyed(key, certificate.spacing)
-        self._code_length = Codec(key).n
         self._frame = canonical_frame(surface.points, surface.faces)
         canonical = self._frame.to_canonical(surface.points)
         self._sampler = plan_samples(canonical, surface.faces, LONGEST_SAMPLE * certificate.spacing)
@@ -146,8 +144,8 @@ class _Reader:
     def _in(self, points: FloatArray, frame: Frame) -> _Lock:
         samples = self._sampler(frame.to_canonical(points))
         cells = read_cells(samples, self._lattice, Pose.turned(np.eye(3)))
-        keys = self._lattice.keys(cells.nodes, self._code_length)
-        return _Lock(frame, cells.nodes, bit_phase(cells.offset, keys.dither, self._step))
+        keys = self._lattice.keys(cells.nodes)
+        return _Lock(frame=frame, nodes=cells.nodes, phase=bit_phase(cells.offset, keys.dither, self._step))
 
 
 def _digest(mesh: Mesh, key: Key) -> str:

@@ -37,7 +37,7 @@ DOUBTFUL_LOG10 = -4.0
 _SURE = 3.0
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Examination:
     """surface: the suspect's; checks: of its marks; id: the model's, from the marks or from the ownership layer, or
     None. marked: marks of authentication hold. altered: (p,) points, all of them where no mark holds.
@@ -91,7 +91,8 @@ def examine(mesh: Mesh, key: Key, reference: Certificate | Mesh | None = None) -
     """
     if isinstance(reference, Certificate):
         refuse_edited(reference, key)
-    ask = cache(lambda: extract(mesh, key, reference=reference, locking=reference is not None, cut=True))
+    effort = "plain" if reference is None else "quick"
+    ask = cache(lambda: extract(mesh, key, reference=reference, search=effort, cut=True))
     found = _examined(mesh, marked_surface(mesh), key, reference, ask)
     if isinstance(found.surface, Shown) or _intact(found):
         return found
@@ -145,7 +146,14 @@ def _examined(
             checks = _confirmed(surface, key, identity, checks, packed)
         altered, payload = altered_points(surface, checks), None if packed is None else unpack(packed)
         known = Examination(
-            surface, checks, identity, True, altered, checks.log10_chance, payload, remark=remark
+            surface=surface,
+            checks=checks,
+            id=identity,
+            marked=True,
+            altered=altered,
+            log10_false_positive=checks.log10_chance,
+            payload=payload,
+            remark=remark,
         )
         if (known.points_missing or 0) < 0:  # parts were added on which there are no marks to fail
             altered |= unmarked_parts(surface, checks.verified)
@@ -158,12 +166,12 @@ def _examined(
     elif layers == "both":
         since = Since.CHANGED
     return Examination(
-        surface,
-        checks,
-        identity,
-        False,
-        np.ones(len(surface.points), bool),
-        checks.log10_chance if identity is None else found.log10_false_positive,
+        surface=surface,
+        checks=checks,
+        id=identity,
+        marked=False,
+        altered=np.ones(len(surface.points), bool),
+        log10_false_positive=checks.log10_chance if identity is None else found.log10_false_positive,
         ownership_only=layers == "ownership",
         since=since,
         remark=remark,

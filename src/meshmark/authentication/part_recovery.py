@@ -33,7 +33,7 @@ _LEFT = "What differs by no more than the miniature itself is off is left as it 
 _OPEN = "A hole is left open that meets a border of the model's own, or for which the miniature has nothing."
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Recovery:
     """What came of a recovery.
 
@@ -79,14 +79,38 @@ def recover(mesh: Mesh, key: Key, *, reference: Certificate | Mesh | None = None
     share = float(areas[found.altered].sum() / areas.sum())
     missing = (found.points_missing or 0) > 0
     if found.marked and not found.altered.any() and not missing:
-        return Recovery(mesh, 0.0, 0, 0, 0, "Nothing was altered.", perf_counter() - start)
+        return Recovery(
+            mesh=mesh,
+            altered_area_fraction=0.0,
+            vertices_moved=0,
+            vertices_removed=0,
+            faces_added=0,
+            advice="Nothing was altered.",
+            seconds=perf_counter() - start,
+        )
     payload = found.payload
     if payload is None or payload.kind != "miniature":
-        return Recovery(None, share, 0, 0, 0, _why_not(found), perf_counter() - start)
+        return Recovery(
+            mesh=None,
+            altered_area_fraction=share,
+            vertices_moved=0,
+            vertices_removed=0,
+            faces_added=0,
+            advice=_why_not(found),
+            seconds=perf_counter() - start,
+        )
     try:
         made = recover_surface(found.surface, found.altered, payload.content, missing=missing)
     except InputError as error:
-        return Recovery(None, share, 0, 0, 0, f"It cannot be recovered: {error}.", perf_counter() - start)
+        return Recovery(
+            mesh=None,
+            altered_area_fraction=share,
+            vertices_moved=0,
+            vertices_removed=0,
+            faces_added=0,
+            advice=f"It cannot be recovered: {error}.",
+            seconds=perf_counter() - start,
+        )
     once = distinct(mesh)
     if once is not None:
         surface = replace(found.surface, point_of_vertex=found.surface.point_of_vertex[once.rows])
@@ -103,7 +127,15 @@ def recover(mesh: Mesh, key: Key, *, reference: Certificate | Mesh | None = None
             advice = "Whole parts are missing, which the miniature does not have; they are not brought back."
         if _left_open(found, made):
             advice = f"Nothing was brought back. {_OPEN}"
-        return Recovery(None, share, 0, 0, 0, advice, perf_counter() - start)
+        return Recovery(
+            mesh=None,
+            altered_area_fraction=share,
+            vertices_moved=0,
+            vertices_removed=0,
+            faces_added=0,
+            advice=advice,
+            seconds=perf_counter() - start,
+        )
     advice = "The altered parts are back as the miniature has them."
     if not found.altered.any():
         advice = "The missing parts are back as the miniature has them."
@@ -114,7 +146,16 @@ def recover(mesh: Mesh, key: Key, *, reference: Certificate | Mesh | None = None
     lost = losses(whole)
     if lost:
         advice += f" Its file cannot keep with other faces: {', '.join(lost)}."
-    return Recovery(whole, share, moved, removed, added, advice, perf_counter() - start, lost)
+    return Recovery(
+        mesh=whole,
+        altered_area_fraction=share,
+        vertices_moved=moved,
+        vertices_removed=removed,
+        faces_added=added,
+        advice=advice,
+        seconds=perf_counter() - start,
+        lost=lost,
+    )
 
 
 def _why_not(found: Examination) -> str:

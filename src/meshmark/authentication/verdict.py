@@ -33,7 +33,7 @@ __all__ = ["Authentication", "authenticate"]
 _SINCE = {Since.SAME: "authentic", Since.CHANGED: "altered", Since.UNKNOWN: "inconclusive"}
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Authentication:
     """What the marks of a model say.
 

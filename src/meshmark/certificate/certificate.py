@@ -58,7 +58,7 @@ _TYPES = {"descriptors": "<f2"}
 _OWN = {"format", "version", "vertices", "faces", "spacing", "step", "strength", "frame", "landmarks"}
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Certificate:
     """What is kept of a marked model.
 
@@ -186,7 +186,13 @@ def certify(
     frame = canonical_frame(welded.points, welded.faces)
     landmarks = Surface(welded.points, welded.faces, frame).landmarks(LANDMARKS)
     return Certificate(
-        _rounded(landmarks), frame, float(spacing), float(step), strength, len(mesh.vertices), len(mesh.faces)
+        landmarks=_rounded(landmarks),
+        frame=frame,
+        spacing=float(spacing),
+        step=float(step),
+        strength=strength,
+        vertices=len(mesh.vertices),
+        faces=len(mesh.faces),
     )
 
 
@@ -212,12 +218,12 @@ def _unpacked(values: dict[str, Any]) -> Landmarks:
     if not (arrays["masses"] > 0.0).all():
         raise InputError("a landmark has no mass")
     return Landmarks(
-        arrays["places"],
-        arrays["normals"],
-        arrays["masses"][:, 0],
-        arrays["curvatures"][:, 0],
-        arrays["descriptors"],
-        _number(values, "explains", 1e-6, 1.0),
+        places=arrays["places"],
+        normals=arrays["normals"],
+        masses=arrays["masses"][:, 0],
+        curvatures=arrays["curvatures"][:, 0],
+        descriptors=arrays["descriptors"],
+        explains=_number(values, "explains", 1e-6, 1.0),
     )
 
 
@@ -255,14 +261,14 @@ def _parse(content: bytes) -> Certificate:
     if not isinstance(strength, str) or strength not in BUDGETS:
         raise InputError(f"'strength' is {strength!r}, expected one of {', '.join(BUDGETS)}")
     return Certificate(
-        _unpacked(_table(values, "landmarks")),
-        _frame(_table(values, "frame")),
-        _number(values, "spacing", 1e-6, 1e3),
-        _number(values, "step", 1e-6, 1e3),
-        strength,
-        int(_number(values, "vertices", 0, 1e15, whole=True)),
-        int(_number(values, "faces", 0, 1e15, whole=True)),
-        {name: value for name, value in values.items() if name not in _OWN},
+        landmarks=_unpacked(_table(values, "landmarks")),
+        frame=_frame(_table(values, "frame")),
+        spacing=_number(values, "spacing", 1e-6, 1e3),
+        step=_number(values, "step", 1e-6, 1e3),
+        strength=strength,
+        vertices=int(_number(values, "vertices", 0, 1e15, whole=True)),
+        faces=int(_number(values, "faces", 0, 1e15, whole=True)),
+        more={name: value for name, value in values.items() if name not in _OWN},
     )
 
 
@@ -292,7 +298,7 @@ def _frame(values: dict[str, Any]) -> Frame:
     if np.abs(axes.T @ axes - np.eye(3)).max() > 1e-6 or np.linalg.det(axes) < 0.0:
         raise InputError("'axes' is not a rotation")
     scale, area = _number(values, "scale", 1e-100, 1e100), _number(values, "area", 1e-12, 1e12)
-    return Frame(centre, scale, axes, moments, area, skewness)
+    return Frame(centre=centre, scale=scale, axes=axes, moments=moments, area=area, skewness=skewness)
 
 
 def _numbers(values: dict[str, Any], name: str, shape: tuple[int, ...]) -> FloatArray:

@@ -136,7 +136,9 @@ def _attacked(job: _Job, chain: Chain, seed: int) -> dict[str, Any]:
     copies = tuple(read_model(other, None, job.staging) for other in job.others)
     own = mesh.document.format if mesh.document else None
     with progress("attacking"), naming(named(job.model), *job.others), job.staging:
-        result = chain.apply(mesh, np.random.default_rng(seed), Given(copies, next(iter(copies), None)))
+        result = chain.apply(
+            mesh, np.random.default_rng(seed), Given(copies=copies, donor=next(iter(copies), None))
+        )
         report = write_mesh(result.mesh, job.out, default=own, staging=job.staging)
         if job.map_out is not None:
             _write_map(result, job.map_out, job.staging)

@@ -57,7 +57,7 @@ def damage(marked: Path, embedded: Embedding, key: Key, places: Places, done: Do
     done("Sawn", f"{places.out / 'half.ply'}: one half, {plural(len(half.vertices), 'vertex/vertices')}")
     _read_half(half, embedded, key, places, done)
     colours = None if colours is None or sawn.origin is None else colours[sawn.origin]
-    shown = [Panel("sawn in half", half.vertices, half.faces, colours)]
+    shown = [Panel(caption="sawn in half", points=half.vertices, faces=half.faces, colours=colours)]
     return shown + (_edit(marked, mesh, key, places, done) if embedded.mark_vertices else [])
 
 
@@ -91,8 +91,18 @@ def _edit(marked: Path, mesh: Mesh, key: Key, places: Places, done: Done) -> lis
     with progress("recovering"):
         whole = recover(suspect, key)
     shown = [
-        Panel("its top bent", suspect.vertices, suspect.faces, vertex_colours(suspect)),
-        Panel("what was altered", suspect.vertices, suspect.faces, altered_colours(found.altered)),
+        Panel(
+            caption="its top bent",
+            points=suspect.vertices,
+            faces=suspect.faces,
+            colours=vertex_colours(suspect),
+        ),
+        Panel(
+            caption="what was altered",
+            points=suspect.vertices,
+            faces=suspect.faces,
+            colours=altered_colours(found.altered),
+        ),
     ]
     if whole.mesh is None:
         done("Recover", whole.advice)
@@ -100,7 +110,15 @@ def _edit(marked: Path, mesh: Mesh, key: Key, places: Places, done: Done) -> lis
     back = marked.with_name(marked.name.replace("marked", "recovered", 1))
     write_mesh(whole.mesh, back)
     done("Recover", f"{places.named(back)}: {_how_far(mesh, suspect, whole.mesh)}")
-    return [*shown, Panel("recovered", whole.mesh.vertices, whole.mesh.faces, vertex_colours(whole.mesh))]
+    return [
+        *shown,
+        Panel(
+            caption="recovered",
+            points=whole.mesh.vertices,
+            faces=whole.mesh.faces,
+            colours=vertex_colours(whole.mesh),
+        ),
+    ]
 
 
 def _how_far(marked: Mesh, edited: Mesh, back: Mesh) -> str:

@@ -35,7 +35,7 @@ _LARGEST_S = 20.0
 _TINY = 1e-12
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Decoded:
     """What a decoder found.
 
@@ -88,7 +88,13 @@ class Codec:
         chance = log10_chance(values, float(agreement[best]))
         guess = int(ids[best])
         passed = guess if chance <= log10_limit else None
-        return Decoded(passed, guess, len(ids), words[best] ^ self._mask, chance)
+        return Decoded(
+            id=passed,
+            guess=guess,
+            candidates_tested=len(ids),
+            bits=words[best] ^ self._mask,
+            log10_chance=chance,
+        )
 
 
 def log10_chance(llr: FloatArray, agreement: float) -> float:

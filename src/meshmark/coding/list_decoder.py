@@ -30,7 +30,7 @@ class Candidates(NamedTuple):
     words: Bits
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class _Leaf:
     """A subtree of s code bits whose words are compared whole.
 
@@ -79,7 +79,7 @@ class ListDecoder:
             ids = np.concatenate([ids, ids | np.uint64(1 << int(bit))])
         sums = polar_transform(code.sums[start : start + size])
         choices = parity(sums & ids[:, None]).astype(np.float64)
-        self._leaves[start, size] = _Leaf(sums & ~ids[-1], ids, choices)
+        self._leaves[start, size] = _Leaf(sums=sums & ~ids[-1], ids=ids, choices=choices)
 
     def _walk(self, state: _Paths, start: int, llr: FloatArray, paths: int) -> tuple[Bits, IntArray]:
         """Decide a subtree given its LLRs (p, s): words (q, s), and the path (q,) that each continues."""

@@ -72,7 +72,9 @@ def box_levels(triangles: Triangles) -> tuple[IntArray, list[BoxLevel]]:
     """
     middles = triangles.corner + (triangles.first + triangles.second) / 3.0
     order = np.asarray(cKDTree(middles, leafsize=BRANCHES).indices, np.int64)
-    ordered = Triangles(triangles.corner[order], triangles.first[order], triangles.second[order])
+    ordered = Triangles(
+        corner=triangles.corner[order], first=triangles.first[order], second=triangles.second[order]
+    )
     vectors = np.cross(ordered.first, ordered.second)
     areas = np.sqrt(np.einsum("ij,ij->i", vectors, vectors))
     levels: list[BoxLevel] = []

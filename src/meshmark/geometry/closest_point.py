@@ -26,7 +26,7 @@ LARGEST_SINGLE = 1e6
 GUESS_EVERY = 3
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Nearest:
     """The closest point on the surface to each of n queries.
 
@@ -78,7 +78,9 @@ class SurfaceIndex:
         corners = self._faces[faces]
         points = sum(weights[:, i, None] * self._points[corners[:, i]] for i in range(3))
         self._shared.settle(faces, weights)
-        return Nearest(distances, faces, weights, np.asarray(points).reshape(-1, 3))
+        return Nearest(
+            distances=distances, faces=faces, weights=weights, points=np.asarray(points).reshape(-1, 3)
+        )
 
 
 class _Search:

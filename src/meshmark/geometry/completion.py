@@ -35,7 +35,7 @@ TURN = 0.67
 RANKED = 8
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class _Caps:
     """n caps: area (n,), centroid (n, 3), covariance (n, 3, 3)."""
 
@@ -44,7 +44,7 @@ class _Caps:
     spread: FloatArray
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class _Frames:
     """n frames: centre (n, 3), scale (n,), axes (n, 3, 3), moments (n, 3), area (n,), skewness (n, 3)."""
 
@@ -70,12 +70,12 @@ def completed_frames(points: FloatArray, faces: IntArray, apart: float, most: in
     kept = _thinned(frames, apart, most)
     return [
         Frame(
-            frames.centre[i],
-            float(frames.scale[i]),
-            np.ascontiguousarray(frames.axes[i]),
-            frames.moments[i],
-            float(frames.area[i]),
-            frames.skewness[i],
+            centre=frames.centre[i],
+            scale=float(frames.scale[i]),
+            axes=np.ascontiguousarray(frames.axes[i]),
+            moments=frames.moments[i],
+            area=float(frames.area[i]),
+            skewness=frames.skewness[i],
         )
         for i in kept
     ]
@@ -99,7 +99,7 @@ def _draw(cut: Cut, largest: float) -> _Caps:
     centre = cut.centre + up[:, None] * cut.normal + lean[:, None] * (rng.normal(size=(CAPS, 2)) @ side)
     spread = _spreads(cut, height, lean, side, rng)
     kept = area < largest
-    return _Caps(area[kept], centre[kept], spread[kept])
+    return _Caps(area=area[kept], centre=centre[kept], spread=spread[kept])
 
 
 def _spreads(
@@ -139,7 +139,14 @@ def _frames(left: RawMoments, caps: _Caps) -> _Frames:
     cube = cube - 3.0 * mean * square + 2.0 * mean**3
     axes = signed_axes(axes, cube)
     skewness = np.abs(cube) / np.maximum(values, 1e-12 * scale[:, None] ** 2) ** 1.5
-    return _Frames(centre, scale, axes, values / scale[:, None] ** 2, area / scale**2, skewness)
+    return _Frames(
+        centre=centre,
+        scale=scale,
+        axes=axes,
+        moments=values / scale[:, None] ** 2,
+        area=area / scale**2,
+        skewness=skewness,
+    )
 
 
 def _thinned(frames: _Frames, apart: float, most: int) -> IntArray:

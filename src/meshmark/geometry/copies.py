@@ -33,7 +33,7 @@ _ALIKE_EDITED, _ALIKE_CUT = 0.05, 0.3
 _MOST_EDITED, _MOST_LOST = 16, 3.0
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Copies:
     """Which points (p,) are copies.
 
@@ -83,7 +83,11 @@ class _Search:
 
     def result(self) -> Copies | None:
         """Return what was found."""
-        return Copies(self._original, self._place, tuple(self._maps)) if self._copy.any() else None
+        return (
+            Copies(original=self._original, place=self._place, maps=tuple(self._maps))
+            if self._copy.any()
+            else None
+        )
 
     def compare(self, group: IntArray) -> None:
         """Find the copies among parts of equally many points and faces, and what belongs to them."""

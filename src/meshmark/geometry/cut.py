@@ -29,7 +29,7 @@ WITHIN = 0.1
 REFINEMENTS = 3
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Cut:
     """A planar cut.
 
@@ -75,7 +75,7 @@ def find_cut(points: FloatArray, faces: IntArray) -> Cut | None:
         normal = flattest if flattest @ normal > 0.0 else -flattest
     turns = np.sign(way[near, None]) * np.cross(one[near] - centre, other[near] - centre)
     area = 0.5 * float(np.linalg.norm(turns.sum(axis=0)))
-    return Cut(normal, centre, spread, float(length[near].sum()), area)
+    return Cut(normal=normal, centre=centre, spread=spread, length=float(length[near].sum()), area=area)
 
 
 def _outward(points: FloatArray, faces: IntArray, start: IntArray, end: IntArray) -> FloatArray:

@@ -27,7 +27,7 @@ FLAT = 1e-6
 SMALLEST = 1e-100
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Frame:
     """A similarity transform between the scene and canonical coordinates.
 
@@ -132,7 +132,14 @@ def canonical_frame(points: FloatArray, faces: IntArray) -> Frame:
     moments = values / values.sum()
     # `_third_moments` leaves out a factor of 10.
     skewness = np.abs(third) / (10.0 * area) / np.maximum(moments, FLAT) ** 1.5
-    return Frame(middle + size * centre, size * scale, axes, moments, area / scale**2, skewness)
+    return Frame(
+        centre=middle + size * centre,
+        scale=size * scale,
+        axes=axes,
+        moments=moments,
+        area=area / scale**2,
+        skewness=skewness,
+    )
 
 
 def frame_alternatives(frame: Frame, exchange: bool = False, surely_skew: float = np.inf) -> Iterator[Frame]:

@@ -19,7 +19,7 @@ __all__ = ["Growth", "HalfEdges", "grow_all", "half_edges"]
 EDGES_AT_ONCE = 1 << 17  # a block's arrays stay near the processor; bounds memory
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class HalfEdges:
     """The edges of a mesh in both directions, sorted by where they start.
 
@@ -46,7 +46,15 @@ def half_edges(points: FloatArray, faces: IntArray) -> HalfEdges:
     vectors = points.take(end, axis=0) - points.take(start, axis=0)
     squares = np.einsum("ij,ij->i", vectors, vectors)
     begin = np.searchsorted(start, np.arange(len(points) + 1))
-    return HalfEdges(begin, start, end, vectors, squares, order % max(len(edges), 1), edges)
+    return HalfEdges(
+        begin=begin,
+        start=start,
+        end=end,
+        vectors=vectors,
+        squares=squares,
+        edge=order % max(len(edges), 1),
+        edges=edges,
+    )
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,7 +21,7 @@ MAX_PIECES = 64
 MAX_SAMPLES = 500_000
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class EdgeSamples:
     """Points on the open edges of a surface.
 
@@ -55,7 +55,9 @@ def sample_open_edges(points: FloatArray, faces: IntArray, longest: float) -> Ed
         shape=(len(edge), len(points)),
     )
     steps = along[edge] * (excess[edge] / pieces[edge])[:, None]
-    return EdgeSamples(points[start[edge]] + place[:, None] * along[edge], steps, motion)
+    return EdgeSamples(
+        positions=points[start[edge]] + place[:, None] * along[edge], steps=steps, motion=motion
+    )
 
 
 def open_edges(faces: IntArray, count: int) -> tuple[IntArray, IntArray, FloatArray]:

@@ -12,7 +12,7 @@ from meshmark.mesh import FloatArray, IntArray
 __all__ = ["Triangles"]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Triangles:
     """Triangles as a corner (m, 3) and the two edges that leave it (m, 3)."""
 
@@ -24,7 +24,7 @@ class Triangles:
     def of(cls, points: FloatArray, faces: IntArray) -> Triangles:
         """Return the triangles of a mesh."""
         a, b, c = (points.take(column, axis=0) for column in faces.T)
-        return cls(a, b - a, c - a)
+        return cls(corner=a, first=b - a, second=c - a)
 
     def closest(self, queries: FloatArray, faces: IntArray) -> tuple[FloatArray, FloatArray]:
         """Return the distance of each query (n, 3) to the face (n,) named beside it, and where it is closest.

@@ -13,7 +13,7 @@ from meshmark.mesh import FloatArray, IntArray
 __all__ = ["RawMoments", "raw_moments"]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class RawMoments:
     """Integrals over a surface: area, of x (3,), of x x' (3, 3), of x x x (3, 3, 3)."""
 
@@ -35,7 +35,9 @@ def raw_moments(points: FloatArray, faces: IntArray) -> RawMoments:
         mixed = _cubic(areas, corner, corner, total)
         third += mixed + mixed.transpose(0, 2, 1) + mixed.transpose(2, 0, 1)
         third += 2.0 * _cubic(areas, corner, corner, corner)
-    return RawMoments(area, area * centre, area * (second + np.outer(centre, centre)), third / 60.0)
+    return RawMoments(
+        area=area, first=area * centre, second=area * (second + np.outer(centre, centre)), third=third / 60.0
+    )
 
 
 def _cubic(areas: FloatArray, a: FloatArray, b: FloatArray, c: FloatArray) -> FloatArray:

@@ -26,7 +26,7 @@ ROUNDING = 1e-9
 MOST_CUBES = 2.0**60
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Samples:
     """Positions (q, 3), area vectors (q, 3) and areas (q,) of the samples of one set of point positions."""
 
@@ -35,7 +35,7 @@ class Samples:
     areas: FloatArray
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Sampler:
     """Which samples a mesh gets; fixed once, so that moving points moves samples smoothly.
 
@@ -56,14 +56,14 @@ class Sampler:
         areas = np.sqrt(np.einsum("ij,ij->i", vectors, vectors))
         lumped = self._lump @ np.column_stack([vectors, areas])
         if not len(self.split_face):
-            return Samples(points, lumped[:, :3], lumped[:, 3])
+            return Samples(positions=points, vectors=lumped[:, :3], areas=lumped[:, 3])
         corners = self.faces[self.split_face]
         middle = sum(self.split_weights[:, i, None] * points[corners[:, i]] for i in range(3))
         share = self.split_share[:, None]
         return Samples(
-            np.concatenate([points, middle]),
-            np.concatenate([lumped[:, :3], vectors[self.split_face] * share]),
-            np.concatenate([lumped[:, 3], areas[self.split_face] * share[:, 0]]),
+            positions=np.concatenate([points, middle]),
+            vectors=np.concatenate([lumped[:, :3], vectors[self.split_face] * share]),
+            areas=np.concatenate([lumped[:, 3], areas[self.split_face] * share[:, 0]]),
         )
 
     @cached_property
@@ -114,9 +114,9 @@ def gathered(samples: Samples, size: float) -> Samples:
     areas = np.bincount(group, samples.areas).astype(np.float64)
     shares = samples.areas / np.where(areas > 0.0, areas, 1.0)[group]
     return Samples(
-        np.stack([np.bincount(group, shares * axis) for axis in samples.positions.T], axis=1),
-        np.stack([np.bincount(group, axis) for axis in samples.vectors.T], axis=1),
-        areas,
+        positions=np.stack([np.bincount(group, shares * axis) for axis in samples.positions.T], axis=1),
+        vectors=np.stack([np.bincount(group, axis) for axis in samples.vectors.T], axis=1),
+        areas=areas,
     )
 
 
@@ -136,7 +136,14 @@ def plan_samples(points: FloatArray, faces: IntArray, longest: float) -> Sampler
     edge = np.sqrt(np.einsum("imj,imj->im", ways, ways))
     large = edge.max(axis=0) > longest
     owner, weights, share = _split(ways[:, large], edge[:, large], longest)
-    return Sampler(faces, len(points), np.flatnonzero(~large), np.flatnonzero(large)[owner], weights, share)
+    return Sampler(
+        faces=faces,
+        count=len(points),
+        fine=np.flatnonzero(~large),
+        split_face=np.flatnonzero(large)[owner],
+        split_weights=weights,
+        split_share=share,
+    )
 
 
 def _split(ways: FloatArray, edge: FloatArray, longest: float) -> tuple[IntArray, FloatArray, FloatArray]:

@@ -12,7 +12,7 @@ from meshmark.mesh import FloatArray
 __all__ = ["Similarity", "fit_similarity", "rotation_of"]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Similarity:
     """x -> scale * rotation x + shift; rotation (3, 3) is proper, scale is above 0, shift is (3,)."""
 
@@ -23,7 +23,7 @@ class Similarity:
     @classmethod
     def identity(cls) -> Similarity:
         """Return the transform that changes nothing."""
-        return cls(1.0, np.eye(3), np.zeros(3))
+        return cls(scale=1.0, rotation=np.eye(3), shift=np.zeros(3))
 
     def __call__(self, points: FloatArray) -> FloatArray:
         """Return the moved points, (n, 3)."""
@@ -36,15 +36,17 @@ class Similarity:
     def after(self, first: Similarity) -> Similarity:
         """Return the transform that does `first` and then this one."""
         return Similarity(
-            self.scale * first.scale,
-            self.rotation @ first.rotation,
-            self.scale * (self.rotation @ first.shift) + self.shift,
+            scale=self.scale * first.scale,
+            rotation=self.rotation @ first.rotation,
+            shift=self.scale * (self.rotation @ first.shift) + self.shift,
         )
 
     def inverse(self) -> Similarity:
         """Return the transform back."""
         rotation = np.ascontiguousarray(self.rotation.T)
-        return Similarity(1.0 / self.scale, rotation, rotation @ self.shift / -self.scale)
+        return Similarity(
+            scale=1.0 / self.scale, rotation=rotation, shift=rotation @ self.shift / -self.scale
+        )
 
 
 def fit_similarity(source: FloatArray, target: FloatArray, weights: FloatArray | None = None) -> Similarity:
@@ -65,7 +67,7 @@ def fit_similarity(source: FloatArray, target: FloatArray, weights: FloatArray |
         sign[2] = -1.0
     rotation = (left * sign) @ right
     scale = max(float(values @ sign), np.finfo(float).tiny) / spread
-    return Similarity(scale, rotation, to_middle - scale * (rotation @ from_middle))
+    return Similarity(scale=scale, rotation=rotation, shift=to_middle - scale * (rotation @ from_middle))
 
 
 def rotation_of(vector: FloatArray) -> FloatArray:

@@ -19,7 +19,7 @@ _USD = (".usd", ".usda", ".usdc", ".usdz")
 _MOST_NAMED = 3
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Archive:
     """A zip archive with one model. member: its name there; content: its bytes."""
 
@@ -73,7 +73,7 @@ def open_archive(data: bytes, path: Path) -> Archive | None:
         raise InputError(
             f"{path} is a zip archive of {len(found)} models ({named}), expected one: unpack it and give one"
         )
-    return Archive(package, found[0], package.read(found[0]))
+    return Archive(package=package, member=found[0], content=package.read(found[0]))
 
 
 def _is_model(member: str) -> bool:

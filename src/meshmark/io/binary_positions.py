@@ -16,7 +16,7 @@ from meshmark.mesh import FloatArray, IntArray
 __all__ = ["BinaryPositions", "binary_positions", "put_values", "round_to_type"]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class BinaryPositions:
     """Coordinates that stand as numbers in bytes.
 
@@ -73,18 +73,18 @@ def binary_positions(data: bytes, places: Sequence[IntArray], types: Sequence[Ty
 
     Raises `FormatError` where all are.
     """
-    source = BinaryData(data, 0, len(data))
+    source = BinaryData(data=data, begin=0, end=len(data))
     values = np.empty((len(places[0]), 3))
     for axis in range(3):
         values[:, axis] = source.values(places[axis], types[axis])
     finite = np.asarray(np.isfinite(values).all(axis=1))
     if finite.all():
-        return BinaryPositions(data, tuple(places), tuple(types), values)
-    gaps = Gaps(np.flatnonzero(finite), len(finite), _not_finite)
+        return BinaryPositions(data=data, places=tuple(places), types=tuple(types), values=values)
+    gaps = Gaps(kept=np.flatnonzero(finite), total=len(finite), say=_not_finite)
     if not finite.any():
         raise FormatError(_not_finite(0))
     kept = tuple(column[finite] for column in places)
-    return BinaryPositions(data, kept, tuple(types), values[finite], gaps)
+    return BinaryPositions(data=data, places=kept, types=tuple(types), values=values[finite], gaps=gaps)
 
 
 def _not_finite(row: int) -> str:

@@ -20,7 +20,7 @@ from meshmark.mesh import FloatArray, IntArray, Mesh
 __all__ = ["derived", "losses"]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class _Derived:
     """See `Document`. base: the file's; origin: (n,) its vertex that each one here takes its attributes from."""
 
@@ -104,7 +104,7 @@ def derived(mesh: Mesh, vertices: FloatArray, faces: IntArray, origin: IntArray)
     if new.any():
         origin[new] = cKDTree(mesh.vertices).query(vertices[new])[1]
     plain = Mesh(vertices, faces)
-    document = _Derived(mesh.document, plain.vertices, plain.faces, origin)
+    document = _Derived(base=mesh.document, vertices=plain.vertices, faces=plain.faces, origin=origin)
     if isinstance(mesh.document, SourceFile):
-        return Mesh(vertices, faces, SourceFile(mesh.document.path, document))
+        return Mesh(vertices, faces, SourceFile(path=mesh.document.path, document=document))
     return Mesh(vertices, faces, document)

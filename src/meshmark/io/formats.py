@@ -37,7 +37,7 @@ _JSON = re.compile(rb"(?:\xef\xbb\xbf)?\s*\{")
 _GLB, _ZIP = re.compile(rb"glTF"), re.compile(rb"PK\x03\x04")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Format:
     """One file format.
 
@@ -114,13 +114,62 @@ _ALL = frozenset({"normals", "texcoords", "colors"})
 FORMATS: dict[str, Format] = {
     entry.name: entry
     for entry in (
-        Format("glb", (".glb",), _matches(_GLB), _parse_glb, _convert_glb, _ALL),
-        Format("3mf", (".3mf",), _matches(_ZIP), _parse_3mf, _convert_3mf, frozenset()),
-        Format("ply", (".ply",), _matches(_PLY), parse_ply, convert_ply, _ALL),
-        Format("off", (".off",), _matches(_OFF), parse_off, convert_off, _ALL),
-        Format("gltf", (".gltf",), _matches(_JSON), _parse_gltf, _convert_gltf, _ALL),
-        Format("stl", (".stl",), _looks_like_stl, parse_stl, convert_stl, frozenset()),
-        Format("obj", (".obj",), _looks_like_obj, parse_obj, convert_obj, _ALL),
+        Format(
+            name="glb",
+            extensions=(".glb",),
+            sniff=_matches(_GLB),
+            parse=_parse_glb,
+            convert=_convert_glb,
+            keeps=_ALL,
+        ),
+        Format(
+            name="3mf",
+            extensions=(".3mf",),
+            sniff=_matches(_ZIP),
+            parse=_parse_3mf,
+            convert=_convert_3mf,
+            keeps=frozenset(),
+        ),
+        Format(
+            name="ply",
+            extensions=(".ply",),
+            sniff=_matches(_PLY),
+            parse=parse_ply,
+            convert=convert_ply,
+            keeps=_ALL,
+        ),
+        Format(
+            name="off",
+            extensions=(".off",),
+            sniff=_matches(_OFF),
+            parse=parse_off,
+            convert=convert_off,
+            keeps=_ALL,
+        ),
+        Format(
+            name="gltf",
+            extensions=(".gltf",),
+            sniff=_matches(_JSON),
+            parse=_parse_gltf,
+            convert=_convert_gltf,
+            keeps=_ALL,
+        ),
+        Format(
+            name="stl",
+            extensions=(".stl",),
+            sniff=_looks_like_stl,
+            parse=parse_stl,
+            convert=convert_stl,
+            keeps=frozenset(),
+        ),
+        Format(
+            name="obj",
+            extensions=(".obj",),
+            sniff=_looks_like_obj,
+            parse=parse_obj,
+            convert=convert_obj,
+            keeps=_ALL,
+        ),
     )
 }
 

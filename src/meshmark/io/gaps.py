@@ -15,7 +15,7 @@ from meshmark.mesh import IntArray
 __all__ = ["Gaps"]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Gaps:
     """Rows of a file that are left out.
 

@@ -40,7 +40,7 @@ class Positions(Protocol):
         ...
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class PatchDocument:
     """A one-file document; see `meshmark.document.Document`.
 
@@ -102,4 +102,12 @@ def patch_document(
     if gaps is not None:
         faces, remarks = gaps.faces(faces), (*remarks, gaps.remark)
         load_attributes = partial(gaps.attributes, load_attributes)
-    return PatchDocument(format, positions, faces, load_attributes, facts, references, remarks)
+    return PatchDocument(
+        format=format,
+        positions=positions,
+        faces=faces,
+        load_attributes=load_attributes,
+        facts=facts,
+        references=references,
+        remarks=remarks,
+    )

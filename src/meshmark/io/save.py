@@ -20,7 +20,7 @@ from meshmark.mesh import FloatArray, IntArray, Mesh
 __all__ = ["WriteReport", "check_recompression", "conform", "input_files", "uncompressed", "write_mesh"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class WriteReport:
     """What a save wrote.
 
@@ -81,7 +81,7 @@ def write_mesh(
             "the mesh has other faces than the file it came from; drop its document to save it anew"
         )
     if document is not None and document.format == entry.name:
-        holder = source or SourceFile(path, document)
+        holder = source or SourceFile(path=path, document=document)
         files = dict(holder.patched(mesh.vertices, path.name))
         decompressed = holder.decompressed(mesh.vertices)
         if recompress:
@@ -104,7 +104,7 @@ def write_mesh(
             ]
             if verify is not None:
                 verify(staged[0])
-        return WriteReport(tuple(places), dropped, decompressed)
+        return WriteReport(files=tuple(places), dropped=dropped, decompressed=decompressed)
     except OSError as error:
         if isinstance(error, OutputError):
             raise

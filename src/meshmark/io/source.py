@@ -36,7 +36,7 @@ _GZIP_WINDOW = 16 + zlib.MAX_WBITS
 _PART = 1 << 20
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class SourceFile:
     """A document together with the file it was read from; itself a `Document`.
 
@@ -214,7 +214,14 @@ def parse_mesh(raw: bytes, path: Path, entry: Format | None = None) -> Mesh:
         # Files that a model in an archive refers to are not beside the archive.
         place, content = (path, plain) if archive is None else (path / archive.name, archive.content)
         document = (entry or detect_format(content, place)).parse(content, place)
-        source = SourceFile(path, document, raw if packed else None, plain if packed else None, archive, tail)
+        source = SourceFile(
+            path=path,
+            document=document,
+            packed=raw if packed else None,
+            plain=plain if packed else None,
+            archive=archive,
+            tail=tail,
+        )
         return Mesh(document.vertices, document.faces, source)
     except (MemoryError, RecursionError):
         raise InputError(f"{path} is too large or too deeply nested to be read", file=path) from None

@@ -22,7 +22,7 @@ _ENCRYPTED = 0x1
 _DAMAGE = (zipfile.BadZipFile, NotImplementedError, OSError, ValueError, OverflowError, EOFError, zlib.error)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Package:
     """A zip file.
 
@@ -93,4 +93,4 @@ def open_package(data: bytes, kind: str = "3MF package") -> Package:
     for item in members:
         names.setdefault(item.filename.lower(), []).append(item)
         loose.setdefault(_plain(item.filename), []).append(item)
-    return Package(kind, data, archive, names, loose)
+    return Package(kind=kind, data=data, archive=archive, names=names, loose=loose)

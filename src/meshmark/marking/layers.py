@@ -111,7 +111,7 @@ class _NoRoomError(CapacityError):
         self.below = below
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class _Upper:
     mesh: Mesh
     count: int
@@ -130,22 +130,22 @@ def _unmarked(mesh: Mesh, identity: int, strength: str) -> Embedding:
     """Return what stands below an authentication layer that is alone; spacing and step mean nothing there."""
     n, m = len(mesh.vertices), len(mesh.faces)
     return Embedding(
-        mesh,
-        identity,
-        "authentication",
-        n,
-        m,
-        0,
-        0,
-        0,
-        0.0,
-        0.0,
-        inf,
-        True,
-        0.0,
-        strength,
-        SPACINGS[0],
-        STEPS[0],
+        mesh=mesh,
+        id=identity,
+        layers="authentication",
+        vertices=n,
+        faces=m,
+        carriers=0,
+        mark_vertices=0,
+        payload_bytes=0,
+        rms_over_diagonal=0.0,
+        max_over_diagonal=0.0,
+        psnr_db=inf,
+        verified=True,
+        seconds=0.0,
+        strength=strength,
+        spacing=SPACINGS[0],
+        step=STEPS[0],
     )
 
 
@@ -203,7 +203,7 @@ def _on_top(below: Embedding, original: Mesh, key: Key, content: Asked, toleranc
     layers = "authentication"
     if carriers:
         layers = "both"
-        found = extract(upper.mesh, key, locking=False)
+        found = extract(upper.mesh, key, search="plain")
         if found.id != below.id:
             raise CapacityError("the id cannot be read beside the marks of authentication")
         carriers = found.carriers
@@ -277,4 +277,4 @@ def _marked_for(below: Embedding, original: Mesh, key: Key, content: Asked, plan
         )
     if precision.remark is not None:
         remarks += (precision.remark,)
-    return _Upper(result, marked.count, len(unpack(packed).content), remarks)
+    return _Upper(mesh=result, count=marked.count, payload_bytes=len(unpack(packed).content), remarks=remarks)

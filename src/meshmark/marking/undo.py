@@ -50,7 +50,7 @@ SAME_AREA = 1e-4
 _FILTERS = [{"id": lzma.FILTER_LZMA2, "preset": 6}]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Unmarked:
     """A model without its mark.
 
@@ -135,7 +135,12 @@ def unmark(mesh: Mesh, key: Key, certificate: Certificate) -> Unmarked:
     result = mesh.with_vertices(conform(mesh, vertices))
     rms = float(np.sqrt(np.einsum("ij,ij->", shift, shift) / max(len(shift), 1)))
     within = _bound(result, vertices, step * frame.scale)
-    return Unmarked(result, positions == _digest(mesh.vertices), within, rms / _diagonal(mesh))
+    return Unmarked(
+        mesh=result,
+        exact=positions == _digest(mesh.vertices),
+        within_over_diagonal=within,
+        rms_over_diagonal=rms / _diagonal(mesh),
+    )
 
 
 def _bound(result: Mesh, vertices: FloatArray, step: float) -> float:

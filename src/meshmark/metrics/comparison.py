@@ -21,7 +21,7 @@ from meshmark.metrics.surface_distance import (
 __all__ = ["Comparison", "compare"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Comparison:
     """How model B differs from model A, in the measures of `METRICS` of the same names.
 

@@ -1,6 +1,6 @@
 """Rates of detection at a stated threshold, and the threshold for a stated false-positive rate (paper eq. 20-21).
 
-A score at or above the threshold says "present". Confidence intervals of the rates: `meshmark.research.benchmark.figures.intervals`.
+A score at or above the threshold says "present".
 """
 
 from __future__ import annotations

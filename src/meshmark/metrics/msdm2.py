@@ -67,7 +67,7 @@ def _local(original: Surface, judged: Surface, chosen: IntArray) -> FloatArray:
     _, other = _roughness(theirs, original.all_faces)
     weights = _area_weights(theirs, corners, points, nearest)
     matched = np.einsum("lnc,nc->ln", other[:, corners], weights)
-    fields = Fields(roughness, matched, judged.scaled(nearest.points))
+    fields = Fields(own=roughness, theirs=matched, matched=judged.scaled(nearest.points))
     out = np.empty(len(chosen))
     done = 0
     for growth in grow_all(points, graph, chosen, WINDOW * max(RADII)):

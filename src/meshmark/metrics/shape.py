@@ -17,7 +17,7 @@ from meshmark.metrics.displacement import diagonal
 __all__ = ["Shape", "describe"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Shape:
     """Facts about a model; coincident vertices count as one point.
 

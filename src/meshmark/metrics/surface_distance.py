@@ -29,7 +29,7 @@ SAMPLES = 32_000  # of the edges and as many of the faces: the RMS is then withi
 REFINED, AROUND, ROUNDS, SHRINK = 32, 24, 3, 0.3
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class SurfaceDistances:
     """Distances from surface A to surface B (`ab`) and back (`ba`), in model units.
 
@@ -53,12 +53,21 @@ def surface_distances(a: Mesh, b: Mesh, samples: int | None = None) -> SurfaceDi
     """
     first, second = surface_of(a), surface_of(b)
     if first.equals(second):
-        return SurfaceDistances(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        return SurfaceDistances(
+            rms_ab=0.0, rms_ba=0.0, area_rms_ab=0.0, area_rms_ba=0.0, hausdorff_ab=0.0, hausdorff_ba=0.0
+        )
     samples = samples or SAMPLES
     known = _KNOWN.setdefault(first, WeakKeyDictionary()).setdefault(second, {})
     if samples not in known:
         ab, ba = _one_way(first, second, samples), _one_way(second, first, samples)
-        known[samples] = SurfaceDistances(ab[0], ba[0], ab[1], ba[1], ab[2], ba[2])
+        known[samples] = SurfaceDistances(
+            rms_ab=ab[0],
+            rms_ba=ba[0],
+            area_rms_ab=ab[1],
+            area_rms_ba=ba[1],
+            hausdorff_ab=ab[2],
+            hausdorff_ba=ba[2],
+        )
     return known[samples]
 
 

@@ -15,7 +15,7 @@ STRUCTURE = 0.5  # weight of the pattern's term beside 1 for mean and 1 for cont
 REGULAR = 1.0  # added to each denominator
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Fields:
     """Per radius: curvature `own` (k, p) of the judged surface and `theirs` (k, p), that of the original at the
     matched points; `matched` (p, 3) the positions of those.
@@ -26,7 +26,7 @@ class Fields:
     matched: FloatArray
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class _Samples:
     """Flat lists of what lies in the windows: owner, both values, squared distances on both surfaces."""
 
@@ -72,11 +72,11 @@ def _points_inside(growth: Growth, fields: Fields, level: int, radius: float) ->
     owner, point = growth.owner.take(inside), growth.point.take(inside)
     apart = fields.matched.take(point, axis=0) - fields.matched.take(growth.centres.take(owner), axis=0)
     return _Samples(
-        owner,
-        fields.own[level].take(point),
-        fields.theirs[level].take(point),
-        growth.squared.take(inside),
-        np.einsum("ij,ij->i", apart, apart),
+        owner=owner,
+        own=fields.own[level].take(point),
+        theirs=fields.theirs[level].take(point),
+        squared=growth.squared.take(inside),
+        matched_squared=np.einsum("ij,ij->i", apart, apart),
     )
 
 
@@ -90,9 +90,9 @@ def _crossings(growth: Growth, graph: HalfEdges, fields: Fields, level: int, rad
     apart += share[:, None] * fields.matched.take(end, axis=0)
     apart -= fields.matched.take(growth.centres.take(owner), axis=0)
     return _Samples(
-        owner,
-        (1.0 - share) * own.take(start) + share * own.take(end),
-        (1.0 - share) * theirs.take(start) + share * theirs.take(end),
-        np.full(len(share), radius * radius),
-        np.einsum("ij,ij->i", apart, apart),
+        owner=owner,
+        own=(1.0 - share) * own.take(start) + share * own.take(end),
+        theirs=(1.0 - share) * theirs.take(start) + share * theirs.take(end),
+        squared=np.full(len(share), radius * radius),
+        matched_squared=np.einsum("ij,ij->i", apart, apart),
     )

@@ -20,7 +20,7 @@ Examples = tuple[FloatArray, FloatArray, FloatArray]
 """Features (n, d), gains (n,) and targets (n,), +1 or -1."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Recipe:
     """hidden: neurons of each hidden layer; ridge, passes, patience: of the training. starts: networks that are
     started from random weights, of which the best on the held-out examples is kept.

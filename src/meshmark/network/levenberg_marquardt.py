@@ -25,7 +25,7 @@ FIRST_DAMPING = 1e-3
 LARGEST_DAMPING = 1e12
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Normal:
     """A loss at one point: its value, gradient (p,) and positive semidefinite (generalised) Hessian (p, p)."""
 
@@ -34,7 +34,7 @@ class Normal:
     hessian: FloatArray
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Trained:
     """Where training ended.
 
@@ -92,7 +92,7 @@ def levenberg_marquardt(
             best, best_loss, least, since = weights, normal.loss, value, 0
         if since >= patience or gain <= tolerance * abs(normal.loss + gain):
             break
-    return Trained(best, best_loss, least, accepted)
+    return Trained(weights=best, loss=best_loss, watched=least, passes=accepted)
 
 
 def _step(normal: Normal, damping: float) -> FloatArray | None:

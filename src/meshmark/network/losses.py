@@ -86,7 +86,7 @@ class Objective:
             hessian += scaled.T @ scaled
         count = float(self.shares.sum())
         return Normal(
-            total / count + 0.5 * self.ridge * float(weights @ weights),
-            gradient / count + self.ridge * weights,
-            hessian / count + self.ridge * np.eye(len(weights)),
+            loss=total / count + 0.5 * self.ridge * float(weights @ weights),
+            gradient=gradient / count + self.ridge * weights,
+            hessian=hessian / count + self.ridge * np.eye(len(weights)),
         )

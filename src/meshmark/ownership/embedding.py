@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf, log10, sqrt
 from time import perf_counter
 
@@ -20,7 +20,7 @@ from meshmark.geometry.frame import Frame, canonical_frame
 from meshmark.geometry.weld import Welded, weld
 from meshmark.io.save import conform
 from meshmark.mesh import Mesh
-from meshmark.ownership.extraction import extract
+from meshmark.ownership.extraction import Found, find
 from meshmark.ownership.parameters import (
     BUDGET_SHARE,
     CARRIER_ENOUGH,
@@ -31,7 +31,9 @@ from meshmark.ownership.parameters import (
     STEPS,
     preferred_spacings,
 )
-from meshmark.ownership.results import Embedding, Extraction
+from meshmark.ownership.results import Embedding
+from meshmark.ownership.search.search import Search
+from meshmark.ownership.search.trials import TrialCounter
 from meshmark.ownership.shaping import Shaping
 from meshmark.ownership.shortfall import why_not
 from meshmark.strengths import BUDGETS
@@ -40,11 +42,11 @@ from meshmark.threads import on_one_thread
 __all__ = ["diagonal_of", "displacement_rms", "embed"]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class _Attempt:
     mesh: Mesh
     rms: float
-    found: Extraction
+    found: Found
     spacing: float
     step: float
 
@@ -136,13 +138,13 @@ def _largest_step(
         rms = displacement_rms(mesh, marked)
         if rms > budget:
             continue
-        found = extract(
-            marked, key, spacings=[shaping.spacing], locking=False
-        )  # fails sooner than all spacings would
+        search = Search(surface=weld(marked), key=key, effort="plain")
+        # One spacing fails sooner than all would.
+        found = find(replace(search, spacings=(shaping.spacing,)))
         if found.id == identity and not likeliest:
-            found = extract(marked, key, locking=False)
+            found = find(replace(search, trials=TrialCounter()))
         if found.id == identity:
-            return _Attempt(marked, rms, found, shaping.spacing, float(step))
+            return _Attempt(mesh=marked, rms=rms, found=found, spacing=shaping.spacing, step=float(step))
     return None
 
 

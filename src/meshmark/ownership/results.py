@@ -15,7 +15,7 @@ from meshmark.mesh import Mesh
 __all__ = ["Embedding", "Evidence", "Extraction"]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Embedding:
     """A marked mesh and how it came out.
 
@@ -79,7 +79,7 @@ class Evidence:
         return {"layer": self.layer, "id": identity, "log10_false_positive": self.log10_false_positive}
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Extraction:
     """What was read from a mesh.
 

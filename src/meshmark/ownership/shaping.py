@@ -151,7 +151,7 @@ class Shaping:
 
     def _change(self, step: float) -> FloatArray:
         """Return (f,): the changes of offset, in spacings, that put every free cell on its bit."""
-        keys = self._lattice.keys(self._cells.nodes, len(self._bits))
+        keys = self._lattice.keys(self._cells.nodes)
         bits = self._bits[keys.code_index].astype(np.int64)
         return nearest_offsets(self._cells.offset, keys.dither, bits, step, self._bumps.cost)
 

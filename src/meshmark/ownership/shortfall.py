@@ -18,7 +18,7 @@ _SUBDIVIDE = "subdividing it once or twice first helps"
 _STRONGER = {"subtle": "standard", "standard": "strong"}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Surroundings:
     """What the cells of a lattice see of a surface.
 
@@ -46,10 +46,10 @@ def surroundings_of(cells: Cells, placed: FloatArray, faces: IntArray) -> Surrou
     edges = np.sqrt(((corners - np.roll(corners, 1, axis=1)) ** 2).sum(axis=2)).max(axis=1)
     areas = face_areas(placed, faces)
     return Surroundings(
-        float(surface[folded].sum()) / total,
-        float(surface[scattered].sum()) / total,
-        _mean(_repeated(faces).astype(np.float64), areas),
-        _mean(edges, areas),
+        folded=float(surface[folded].sum()) / total,
+        scattered=float(surface[scattered].sum()) / total,
+        doubled=_mean(_repeated(faces).astype(np.float64), areas),
+        longest=_mean(edges, areas),
     )
 
 

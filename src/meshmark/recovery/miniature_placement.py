@@ -39,7 +39,9 @@ def place_miniature(
     best = fit.best(_poses(frames))
     if best[0] > GOOD:
         landmarks = Surface(*mini).landmarks(LANDMARKS)
-        home = Frame(np.zeros(3), 1.0, np.eye(3), frames[0].moments, frames[0].area)
+        home = Frame(
+            centre=np.zeros(3), scale=1.0, axes=np.eye(3), moments=frames[0].moments, area=frames[0].area
+        )
         found = register(landmarks, home, Surface(points, _faces_of(faces, intact, len(points))))
         best = min(best, fit.best(entry.pose for entry in found), key=lambda pair: pair[0])
     if not best[0] < WORST:
@@ -62,7 +64,7 @@ def _faces_of(faces: IntArray, intact: IntArray, count: int) -> IntArray:
 
 def _poses(frames: list[Frame]) -> Iterator[Similarity]:
     for frame in frames:
-        yield Similarity(frame.scale, frame.axes, frame.centre)
+        yield Similarity(scale=frame.scale, rotation=frame.axes, shift=frame.centre)
 
 
 class _Fit:
@@ -110,5 +112,5 @@ def _step(
     normal += 1e-6 * np.trace(normal) * np.eye(7)
     move = np.asarray(np.linalg.solve(normal, jacobian.T @ (weights * heights)), np.float64)
     turn, growth = rotation_of(move[3:6]), float(np.exp(np.clip(move[6], -0.3, 0.3)))
-    step = Similarity(growth, turn, centre + move[:3] - growth * (turn @ centre))
+    step = Similarity(scale=growth, rotation=turn, shift=centre + move[:3] - growth * (turn @ centre))
     return step.after(back)

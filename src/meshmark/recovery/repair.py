@@ -37,7 +37,7 @@ RIM = 0.15
 MOST_JUDGES = 20_000
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Recovered:
     """A recovered surface of q points.
 
@@ -168,4 +168,11 @@ def _result(
     moved = np.zeros(len(places), bool)
     there = origin >= 0
     moved[there] = (places[there] != suspect.points[origin[there]]).any(axis=1)
-    return Recovered(places, (np.cumsum(kept) - 1)[faces], origin, moved, np.arange(len(faces)) >= old, left)
+    return Recovered(
+        points=places,
+        faces=(np.cumsum(kept) - 1)[faces],
+        origin=origin,
+        moved=moved,
+        added=np.arange(len(faces)) >= old,
+        left=left,
+    )

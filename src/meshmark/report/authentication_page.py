@@ -130,9 +130,9 @@ def _views(welded: Welded, found: Authentication) -> list[_View]:
     colours = altered_colours(altered)
     front = three_quarter_view(welded.points)
     back = from_behind(front)
-    plain = Panel("", welded.points, welded.faces, colours)
+    plain = Panel(caption="", points=welded.points, faces=welded.faces, colours=colours)
     shades = _shades(found.regions)
-    parted = Panel("", welded.points, welded.faces, shades, labels=region)
+    parted = Panel(caption="", points=welded.points, faces=welded.faces, colours=shades, labels=region)
     return [
         _view(plain, front, "From the front, altered parts in red"),
         _view(plain, back, "From behind"),

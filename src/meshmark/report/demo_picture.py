@@ -37,15 +37,17 @@ def demo_picture(
     largest = float(moved.max(initial=0.0)) or 1.0
     diagonal = float(np.linalg.norm(np.ptp(original.vertices, axis=0))) or 1.0
     shown = (
-        Panel("original", original.vertices[at], faces, shades),
-        Panel("marked", marked.vertices[at], faces, shades),
+        Panel(caption="original", points=original.vertices[at], faces=faces, colours=shades),
+        Panel(caption="marked", points=marked.vertices[at], faces=faces, colours=shades),
         Panel(
-            f"what moved (darkest: {100 * largest / diagonal:.2g} % of the diagonal)",
-            marked.vertices[at],
-            faces,
-            heat(moved / largest),
+            caption=f"what moved (darkest: {100 * largest / diagonal:.2g} % of the diagonal)",
+            points=marked.vertices[at],
+            faces=faces,
+            colours=heat(moved / largest),
         ),
-        Panel("turned, resized, moved, noised", changed.vertices[at], faces, shades),
+        Panel(
+            caption="turned, resized, moved, noised", points=changed.vertices[at], faces=faces, colours=shades
+        ),
     )
     panels((*shown, *more), path, size=size, columns=len(shown))
 

@@ -30,7 +30,7 @@ PAPER = (np.array([1.0, 1.0, 1.0]), np.array([0.86, 0.88, 0.91]))
 INK = (38, 42, 48)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Panel:
     """One view of a surface.
 

@@ -40,6 +40,6 @@ def saliency_picture(
     caption = f"{drawn or len(marks)} salient points"
     view = three_quarter_view(welded.points)
     back = welded.points @ (view.T @ np.diag([-1.0, 1.0, -1.0]) @ view)  # half a turn about the vertical
-    front = Panel(caption, welded.points, welded.faces, colours, marks=marks)
-    behind = Panel("the other side", back, welded.faces, colours, marks=marks)
+    front = Panel(caption=caption, points=welded.points, faces=welded.faces, colours=colours, marks=marks)
+    behind = Panel(caption="the other side", points=back, faces=welded.faces, colours=colours, marks=marks)
     panels([front, behind], path, size=size, view=view, bar="saliency", staging=staging)

@@ -38,14 +38,19 @@ def segmentation_picture(
     shades = region_colours(region, welded.faces, count)
     parts = 2 * region + ~green
     regions = Panel(
-        f"{count} regions, balance {result.balance:.3f}", welded.points, welded.faces, shades, region, seeds
+        caption=f"{count} regions, balance {result.balance:.3f}",
+        points=welded.points,
+        faces=welded.faces,
+        colours=shades,
+        labels=region,
+        marks=seeds,
     )
     halves = Panel(
-        "each with its share of the green and the blue half",
-        welded.points,
-        welded.faces,
-        np.tile(GREEN_AND_BLUE, (count, 1)),
-        parts,
-        seeds,
+        caption="each with its share of the green and the blue half",
+        points=welded.points,
+        faces=welded.faces,
+        colours=np.tile(GREEN_AND_BLUE, (count, 1)),
+        labels=parts,
+        marks=seeds,
     )
     panels([regions, halves], path, size=size, staging=staging)

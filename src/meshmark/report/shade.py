@@ -24,7 +24,7 @@ COARSER = 4
 Thin = NDArray[np.float32]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Seen:
     """The k pixels that show a surface.
 
@@ -60,7 +60,7 @@ def see(face_at: IntArray, screen: FloatArray, viewed: FloatArray, faces: IntArr
         normals += at * weight[:, None]
     normals *= np.where(own[:, 2:] < 0.0, np.float32(-1.0), np.float32(1.0))
     depth = np.einsum("ij,ij->i", screen[:, 2].astype(np.float32).take(corners), weights)
-    return Seen(mask, face, corners, weights, _unit(normals), depth)
+    return Seen(mask=mask, face=face, faces=corners, weights=weights, normals=_unit(normals), depth=depth)
 
 
 def _unit(vectors: Thin) -> Thin:

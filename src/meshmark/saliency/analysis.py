@@ -15,7 +15,7 @@ from meshmark.saliency.salient_points import salient_points
 __all__ = ["SaliencyResult", "analyse", "points_and_saliency"]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class SaliencyResult:
     """What `meshmark saliency` reports.
 
@@ -43,7 +43,9 @@ def analyse(mesh: Mesh) -> SaliencyResult:
     welded, found = points_and_saliency(mesh)
     peaks = salient_points(found.beta, welded.points, found.walk, rings=found.rings)
     beta = found.beta[welded.point_of_vertex]
-    return SaliencyResult(beta, welded.vertex_of_point[peaks], time.perf_counter() - began)
+    return SaliencyResult(
+        beta=beta, salient=welded.vertex_of_point[peaks], seconds=time.perf_counter() - began
+    )
 
 
 def points_and_saliency(mesh: Mesh) -> tuple[Welded, Saliency]:

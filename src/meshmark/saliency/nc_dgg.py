@@ -24,7 +24,7 @@ DIAGONAL = 3.83
 The bounding box itself changes by up to 1.7 times when a model is turned, and the salient points with it."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Saliency:
     """Saliency of the points of a mesh.
 
@@ -59,12 +59,12 @@ def saliency(
     squared_edge = mean_squared_edge(points, edges)
     walk = random_walk(points, edges, weights)
     if squared_edge == 0.0:
-        return Saliency(np.zeros(len(points)), np.zeros(len(points)), walk, 1)
+        return Saliency(beta=np.zeros(len(points)), distance=np.zeros(len(points)), walk=walk, rings=1)
     areas, normals = vertex_areas_and_normals(points, faces)
     sigmas = epsilon * model_diagonal(points, areas) * np.arange(1, scales + 1)
     distance = tangent_distance(walk, points, normals, 2.0 * sigmas**2 / squared_edge)
     rings = max(1, round(float(sigmas[-1] / np.sqrt(squared_edge))))
-    return Saliency(_to_unit_range(np.abs(distance)), distance, walk, rings)
+    return Saliency(beta=_to_unit_range(np.abs(distance)), distance=distance, walk=walk, rings=rings)
 
 
 def tangent_distance(

@@ -39,7 +39,7 @@ class _Placed(Protocol):
     def placements(self) -> tuple[Placement, ...]: ...
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Distinct:
     """A scene of which each stored mesh is taken once.
 
@@ -110,7 +110,7 @@ class Distinct:
         return [(part, self.maps[ends]) for part, ends in zip(parts, pairs, strict=True)]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Piece:
     """Some faces of a mesh. rows: (k,) the vertices of `whole` that `mesh` has."""
 
@@ -123,8 +123,8 @@ class Piece:
         """Return the piece with these faces (m, 3) of `whole`."""
         rows, corners = np.unique(faces, return_inverse=True)
         mesh = Mesh(whole.vertices[rows], corners.reshape(-1, 3))
-        document = _OfPiece(whole, rows, mesh.vertices, mesh.faces)
-        return cls(whole, Mesh(mesh.vertices, mesh.faces, document), rows)
+        document = _OfPiece(whole=whole, rows=rows, vertices=mesh.vertices, faces=mesh.faces)
+        return cls(whole=whole, mesh=Mesh(mesh.vertices, mesh.faces, document), rows=rows)
 
     def back(self, vertices: FloatArray) -> Mesh:
         """Return the whole as its file holds it, for positions (k, 3) of the piece."""
@@ -166,7 +166,7 @@ class _Inner:
         return cast(Document, self._scene.document)  # only a scene with one has parts
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class _OfPiece(_Inner):
     """The document of `Piece.mesh`; see `Document`."""
 
@@ -186,7 +186,7 @@ class _OfPiece(_Inner):
         return self._base.patched(_put(self.whole, self.rows, vertices), name)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class _Once(_Inner):
     """The document of `Distinct.mesh`: that of the scene, through its eyes; see `Document`."""
 
@@ -244,11 +244,16 @@ def distinct(mesh: Mesh) -> Distinct | None:
         return None
     rows, row = np.unique(source, return_inverse=True)
     faces = _once(row[mesh.faces], rank[showing[mesh.faces[:, 0]]])
-    found = Distinct(mesh, mesh, rows, row, showing, _maps(showing, source, placements))
+    found = Distinct(
+        scene=mesh, mesh=mesh, rows=rows, row=row, showing=showing, maps=_maps(showing, source, placements)
+    )
     if np.abs(found.images() - mesh.vertices).max() > _SAME * np.abs(mesh.vertices).max():
         return None
     once = Mesh(mesh.vertices[rows], faces)
-    return replace(found, mesh=Mesh(once.vertices, once.faces, _Once(found, once.vertices, once.faces)))
+    return replace(
+        found,
+        mesh=Mesh(once.vertices, once.faces, _Once(distinct=found, vertices=once.vertices, faces=once.faces)),
+    )
 
 
 def _ranks(slots: IntArray, showing: IntArray, placements: tuple[Placement, ...]) -> IntArray:

@@ -132,7 +132,7 @@ def repeated(mesh: Mesh, *, cut: bool = False) -> Iterator[Copies]:
         found = find_copies(welded.points, welded.faces, least, tolerance, edited=edited)
         if found is not None:
             point = welded.point_of_vertex
-            found = Copies(first[found.original[point]], found.place[point], found.maps)
+            found = Copies(original=first[found.original[point]], place=found.place[point], maps=found.maps)
         elif len(welded.points) < len(mesh.vertices):
             # Copies may touch, as the halves of a mirrored model do; their vertices tell them apart.
             found = find_copies(mesh.vertices, mesh.faces, least, tolerance, edited=edited)

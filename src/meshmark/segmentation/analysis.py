@@ -17,7 +17,7 @@ from meshmark.segmentation.map_segmentation import choose_seeds, default_regions
 __all__ = ["Segmentation", "segment"]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Segmentation:
     """What `meshmark segment` reports.
 

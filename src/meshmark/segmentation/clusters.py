@@ -63,4 +63,4 @@ def _regions(canonical: FloatArray, areas: FloatArray, centres: FloatArray) -> R
     for half in (green, ~green):
         held = np.bincount(region[half], areas[half], count)
         shares.append(held / (held.sum() or 1.0))
-    return Regions(region, green, shares[0], shares[1])
+    return Regions(region=region, green=green, green_share=shares[0], blue_share=shares[1])

@@ -20,7 +20,7 @@ LEAST_HALF = 0.2
 MOST_REGIONS = 32
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Regions:
     """A map of n regions, each of a green and a blue part.
 
@@ -102,4 +102,4 @@ def map_regions(points: FloatArray, faces: IntArray, seeds: IntArray) -> Regions
         region[half] = assign(inside, at, weights)
         held = np.bincount(region[half], weights=mass, minlength=len(seeds))
         shares.append(held / (held.sum() or 1.0))
-    return Regions(region, green, shares[0], shares[1])
+    return Regions(region=region, green=green, green_share=shares[0], blue_share=shares[1])

@@ -51,9 +51,9 @@ def test_a_plane_has_the_offset_of_its_height_and_full_mass():
     cell = (grid[1] - grid[0]) ** 2
     height = 0.2
     samples = Samples(
-        np.column_stack([x, y, np.full_like(x, height)]),
-        np.tile([0.0, 0.0, cell], (len(x), 1)),
-        np.full(len(x), cell),
+        positions=np.column_stack([x, y, np.full_like(x, height)]),
+        vectors=np.tile([0.0, 0.0, cell], (len(x), 1)),
+        areas=np.full(len(x), cell),
     )
     cells = measure_cells(samples)
     centre = np.flatnonzero((cells.nodes == 0).all(axis=1))[0]
@@ -115,9 +115,9 @@ def error_under_face_noise(across):
     points, faces = placed_pebble(across=across)
     vectors, middle = area_vectors(points, faces), points[faces].mean(axis=1)
     areas = np.linalg.norm(vectors, axis=1)
-    still = measure_cells(Samples(middle, vectors, areas))
+    still = measure_cells(Samples(positions=middle, vectors=vectors, areas=areas))
     noise = 0.5 * np.random.default_rng(3).normal(size=vectors.shape) * areas[:, None]
-    rough = measure_cells(Samples(middle, vectors + noise, areas))
+    rough = measure_cells(Samples(positions=middle, vectors=vectors + noise, areas=areas))
     chosen = select_cells(still, (0.35, 0.7, 0.5))
     return np.sqrt(((rough.offset - still.offset)[chosen] ** 2).mean())
 
@@ -137,9 +137,9 @@ def test_outliers_and_areas_of_zero_cost_nothing():
     points, faces = placed_pebble()
     samples = plan_samples(points, faces, 0.25)(points)
     far = Samples(
-        np.concatenate([samples.positions, [[3e5, -3e5, 3e5], [1e300, 0, 0], [9e4, 0, 0]]]),
-        np.concatenate([samples.vectors, np.ones((3, 3))]),
-        np.concatenate([samples.areas, [0.0, 1.0, 1.0]]),
+        positions=np.concatenate([samples.positions, [[3e5, -3e5, 3e5], [1e300, 0, 0], [9e4, 0, 0]]]),
+        vectors=np.concatenate([samples.vectors, np.ones((3, 3))]),
+        areas=np.concatenate([samples.areas, [0.0, 1.0, 1.0]]),
     )
     one, other = measure_cells(samples), measure_cells(far)
     assert len(other.nodes) <= len(one.nodes) + 8

@@ -20,8 +20,8 @@ def test_coordinates_are_a_similarity_and_points_undo_them():
 
 def test_everything_of_a_cell_comes_from_key_spacing_and_coordinates():
     nodes = np.random.default_rng(1).integers(-9, 9, size=(400, 3))
-    keys = Lattice.keyed(KEY, 0.2).keys(nodes, 4096)
-    again = Lattice.keyed(KEY, 0.2).keys(nodes[::-1], 4096)
+    keys = Lattice.keyed(KEY, 0.2).keys(nodes)
+    again = Lattice.keyed(KEY, 0.2).keys(nodes[::-1])
     np.testing.assert_array_equal(keys.dither, again.dither[::-1])
     np.testing.assert_array_equal(keys.code_index, again.code_index[::-1])
     assert keys.dither.min() >= 0
@@ -29,4 +29,4 @@ def test_everything_of_a_cell_comes_from_key_spacing_and_coordinates():
     assert keys.code_index.min() >= 0
     assert keys.code_index.max() < 4096
     for other in (Lattice.keyed(KEY, 0.21), Lattice.keyed(Key(bytes(32)), 0.2)):
-        assert (other.keys(nodes, 4096).dither != keys.dither).all()
+        assert (other.keys(nodes).dither != keys.dither).all()

@@ -13,7 +13,7 @@ from meshmark.ownership.carriers.lattice import Lattice
 from meshmark.ownership.carriers.nodes import find_nodes
 from meshmark.ownership.carriers.pose import POSE_SIZE, Pose, pose_gradient
 from meshmark.ownership.parameters import LONGEST_SAMPLE
-from meshmark.ownership.search.reading import place, read_cells
+from meshmark.ownership.search.measurement import place, read_cells
 from tests.shapes import pebble
 
 LATTICE = Lattice.keyed(Key(b"k" * 32), 0.25)
@@ -40,7 +40,10 @@ def test_small_steps_are_shift_scale_and_turn():
 
 def test_a_pose_after_a_pose_is_one_pose():
     rng = np.random.default_rng(1)
-    start, step = Pose(rotation(b"a" * 32), 1.3, rng.normal(size=3)), rng.normal(size=POSE_SIZE)
+    start, step = (
+        Pose(turn=rotation(b"a" * 32), scale=1.3, shift=rng.normal(size=3)),
+        rng.normal(size=POSE_SIZE),
+    )
     points = rng.normal(size=(20, 3))
     alone = Pose.turned(np.eye(3)).then(step)
     np.testing.assert_allclose(

@@ -51,4 +51,8 @@ def whole(models: Path, outside: Path, tmp_path_factory: pytest.TempPathFactory)
     with pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(str(outside))
         patch.setenv("PYTHONPATH", str(outside))
-        return run(Plan("smoke", models, tmp_path_factory.mktemp("whole"), ("toy",), workers=1))
+        return run(
+            Plan(
+                suite="smoke", data=models, out=tmp_path_factory.mktemp("whole"), schemes=("toy",), workers=1
+            )
+        )

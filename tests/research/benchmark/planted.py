@@ -40,7 +40,7 @@ def planted_rows(
 
 def planted_facts(**more) -> Facts:
     return Facts(
-        "robust", 3, {"ncdg_lv": "NCDG-LV, 2024"}, "../shared/data/models", 24,
+        suite="robust", seed=3, schemes={"ncdg_lv": "NCDG-LV, 2024"}, data="../shared/data/models", models=24,
         command="meshmark bench robust --data ../shared/data/models --out out",
         started="2026-11-22T05:00:00+00:00", versions={"python": "3.11.7", "meshmark": "0.1.0"},
         processor="Some processor", cores=2, memory_mb=4096, workers=2, seconds=4000.0, **more,
@@ -50,9 +50,9 @@ def planted_facts(**more) -> Facts:
 def _marked(rng, case: Case, points: int, number: int) -> Row:
     common = {"points": points, "size_class": size_class(points), "split": case.model.split("/")[1]}
     if points < 400:
-        return Row(case, "refused", REFUSED, **common)
+        return Row(case=case, status="refused", note=REFUSED, **common)
     if case.model.endswith("m9.ply") and case.attack == "crop:0.3":
-        return Row(case, "timeout", "took longer than 600 s", **common)
+        return Row(case=case, status="timeout", note="took longer than 600 s", **common)
     harm = (
         (ATTACKS.index(case.attack) % 5) * (0.5 + 0.4 * number) * (1.0 if case.budget == "standard" else 1.6)
     )
@@ -60,7 +60,7 @@ def _marked(rng, case: Case, points: int, number: int) -> Row:
     rms = {"standard": 8e-4, "subtle": 2e-4}[case.budget] * rng.uniform(0.6, 1.0)
     ber = float(rng.integers(1, 36) / 64) if wrong else 0.0
     return Row(
-        case, "ok", **common, rms_over_diagonal=rms, max_over_diagonal=4 * rms, mrms_over_diagonal=0.5 * rms,
+        case=case, status="ok", **common, rms_over_diagonal=rms, max_over_diagonal=4 * rms, mrms_over_diagonal=0.5 * rms,
         hausdorff_over_diagonal=3 * rms, psnr_db=-20 * np.log10(rms), paper_psnr_db=50.0, msdm2=300 * rms,
         ber=ber, raw_ber=min(0.5, ber + 0.05), correlation=1 - 2 * ber, present=not wrong or ber < 0.1,
         recovered=not wrong, log10_false_positive=-0.5 if wrong else -15.0, file_seconds=0.01,
@@ -73,6 +73,6 @@ def _empty(rng, case: Case, points: int) -> Row:
     """Return a trial whose bound is a true p, uniform in [0, 1]."""
     p = float(rng.random())
     return Row(
-        case, "ok", points=points, size_class=size_class(points), split=case.model.split("/")[1],
+        case=case, status="ok", points=points, size_class=size_class(points), split=case.model.split("/")[1],
         ber=float(rng.binomial(64, 0.5) / 64), present=p < 1e-6, recovered=False, log10_false_positive=np.log10(p),
     )  # fmt: skip

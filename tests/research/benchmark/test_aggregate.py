@@ -62,8 +62,11 @@ def compared_with_a_naive_loop(share: Share) -> None:
 
 
 def test_a_refusal_is_a_miss_and_is_shown():
-    rows = [Row(replace(CASE, model=str(i)), "ok", present=True, recovered=True, ber=0.0) for i in range(3)]
-    rows.append(Row(replace(CASE, model="r"), "refused", "too small"))
+    rows = [
+        Row(case=replace(CASE, model=str(i)), status="ok", present=True, recovered=True, ber=0.0)
+        for i in range(3)
+    ]
+    rows.append(Row(case=replace(CASE, model="r"), status="refused", note="too small"))
     (figure,) = robustness(rows)
     assert (figure.recovered.value, figure.refused, figure.broken) == (0.75, 1, 0)
     assert figure.recovered_where_read.value == 1.0
@@ -72,7 +75,7 @@ def test_a_refusal_is_a_miss_and_is_shown():
 
 @pytest.mark.parametrize("status", ["failed", "timeout", "killed"])
 def test_what_broke_is_a_miss_and_is_counted(status):
-    (figure,) = robustness([Row(CASE, status, "something happened")])
+    (figure,) = robustness([Row(case=CASE, status=status, note="something happened")])
     assert (figure.recovered.value, figure.broken, figure.ber) == (0.0, 1, None)
 
 
@@ -87,15 +90,15 @@ def test_splits_are_told_apart_only_where_both_exist():
 def test_false_alarms_are_counted_with_their_limit():
     rows = [
         Row(
-            replace(CASE, trial="wrong key", repeat=i),
-            "ok",
+            case=replace(CASE, trial="wrong key", repeat=i),
+            status="ok",
             present=i == 0,
             ber=0.5,
             log10_false_positive=-float(i),
         )
         for i in range(50)
     ]
-    rows.append(Row(replace(CASE, trial="wrong key", repeat=50), "refused"))
+    rows.append(Row(case=replace(CASE, trial="wrong key", repeat=50), status="refused"))
     (found,) = alarms(rows)
     assert (found.trials, found.found, found.not_read, found.least) == (50, 1, 1, -49.0)
     assert found.limit == pytest.approx(0.0914, abs=1e-4)  # exact binomial tables, 1 of 50
@@ -136,9 +139,13 @@ def test_growth_needs_three_sizes_that_differ():
 
 
 def test_a_mark_made_once_is_one_time_and_fresh_marks_are_several():
-    once = [Row(replace(CASE, attack=a), "ok", points=5, embed_seconds=9.0) for a in ("none", "noise:0.1")]
+    once = [
+        Row(case=replace(CASE, attack=a), status="ok", points=5, embed_seconds=9.0)
+        for a in ("none", "noise:0.1")
+    ]
     fresh = [
-        Row(replace(CASE, repeat=i), "ok", points=5, embed_seconds=s) for i, s in enumerate((1.0, 2.0, 6.0))
+        Row(case=replace(CASE, repeat=i), status="ok", points=5, embed_seconds=s)
+        for i, s in enumerate((1.0, 2.0, 6.0))
     ]
     assert timings(once)[0].embed == 9.0
     assert timings(fresh)[0].embed == 2.0

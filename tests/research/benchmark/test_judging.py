@@ -67,7 +67,7 @@ def test_a_mark_carries_its_payload_under_its_key(toys, models, tmp_path):
     "change", [{"scheme": "informed"}, {"owner": "other"}, {"budget": "subtle"}, {"seed": 4}, {"fresh": 1}]
 )
 def test_another_mark_has_another_key_payload_and_file(change, tmp_path):
-    first = Mark("toy", MODEL, "standard", 3)
+    first = Mark(scheme="toy", owner=MODEL, budget="standard", seed=3)
     other = Mark(**{**vars(first), **change})
     assert key_of(first) != key_of(other)
     assert payload_of(first, 64).tobytes() != payload_of(other, 64).tobytes()
@@ -138,7 +138,7 @@ class Coded:
     def extract(self, mesh, key, *, reference=None):
         raw = np.where(self.code(self.sent, key) == 1, -2.0, 0.5)
         raw[0], raw[1] = 0.0, -raw[1]
-        return Readout(self.sent.copy(), True, -9.0, raw)
+        return Readout(bits=self.sent.copy(), present=True, log10_false_positive=-9.0, raw=raw)
 
 
 def test_raw_errors_count_the_code_bits_that_were_seen(models, tmp_path, monkeypatch):
@@ -167,7 +167,7 @@ def test_a_model_that_is_gone_is_an_input_error(models):
 
 
 def test_a_mark_is_kept_whole_or_not_at_all(models, tmp_path, monkeypatch):
-    each, mesh = Mark("toy", MODEL, "standard", 3), original(models, MODEL)
+    each, mesh = Mark(scheme="toy", owner=MODEL, budget="standard", seed=3), original(models, MODEL)
     monkeypatch.setattr("numpy.savez", lambda file, **_: file.write(b"half") and 1 / 0)
     with pytest.raises(ZeroDivisionError):
         save_mark(tmp_path, each, mesh)

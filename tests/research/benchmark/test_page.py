@@ -126,8 +126,12 @@ def test_there_is_a_page_for_any_rows(kind):
 
 
 def test_cells_are_coloured_by_their_rate():
-    table = Table("t", ("name", "rate"), ((Cell("a"), Cell("25 %", "n = 4", 0.25)),))
-    text = page("t", [Section("s", "S", (), (table,))], FACTS)
+    table = Table(
+        title="t",
+        columns=("name", "rate"),
+        rows=((Cell(text="a"), Cell(text="25 %", small="n = 4", heat=0.25)),),
+    )
+    text = page("t", [Section(name="s", title="S", words=(), parts=(table,))], FACTS)
     assert '<td class="heat" style="--good:25%">25 %<small>n = 4</small></td>' in text
 
 

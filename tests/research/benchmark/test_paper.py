@@ -38,11 +38,11 @@ def planted(schemes=tuple(BER)) -> list[Row]:
 def _row(case: Case, i: int) -> Row:
     common = {"points": 400 + 300 * i, "size_class": "< 500" if i == 0 else "500-2,500", "split": "test"}
     if i == 0 and case.scheme == "ncdg_lv":
-        return Row(case, "refused", "too small", **common)
+        return Row(case=case, status="refused", note="too small", **common)
     wrong = BER[case.scheme] if case.attack != "none" else 0.0
     found = case.trial == "marked" and wrong < 0.25
     return Row(
-        case, "ok", **common, psnr_db=62.0 + i, paper_psnr_db=58.0 + i, attacked_psnr_db=40.0,
+        case=case, status="ok", **common, psnr_db=62.0 + i, paper_psnr_db=58.0 + i, attacked_psnr_db=40.0,
         rms_over_diagonal=7e-4, ber=wrong if case.trial == "marked" else 0.5, present=found,
         recovered=found and not wrong,
     )  # fmt: skip
@@ -121,7 +121,7 @@ def test_tables_stand_beside_the_claims():
 
 
 def test_whoever_leads_is_told_and_why():
-    group = Group("all", frozenset("abcdef"))
+    group = Group(label="all", models=frozenset("abcdef"))
     own = dict.fromkeys("abcdef", 0.4)
     better, same = {**dict.fromkeys("abcde", 0.1), "f": 0.11}, dict(own)
     lost = {**dict.fromkeys("abc", 1.0), **dict.fromkeys("def", 0.0)}
@@ -181,10 +181,10 @@ def planted_probes() -> dict[Probe, Outcome]:
         "decoded_half": [0.0, 1.0],
     }
     return {
-        Probe("salient points", MODELS[1], 0): Outcome("ok", figures={"nc_dgg": {"seconds": 0.004, "points": 9}}),
-        Probe("regions", MODELS[1], 0): Outcome("ok", figures=choices),
-        Probe("regions", MODELS[2], 0): Outcome("refused", "too small"),
-        Probe("carriers", MODELS[1], 0): Outcome("ok", figures={"network": bits, "rule": bits}),
+        Probe(kind="salient points", model=MODELS[1], seed=0): Outcome(status="ok", figures={"nc_dgg": {"seconds": 0.004, "points": 9}}),
+        Probe(kind="regions", model=MODELS[1], seed=0): Outcome(status="ok", figures=choices),
+        Probe(kind="regions", model=MODELS[2], seed=0): Outcome(status="refused", note="too small"),
+        Probe(kind="carriers", model=MODELS[1], seed=0): Outcome(status="ok", figures={"network": bits, "rule": bits}),
     }  # fmt: skip
 
 

@@ -28,7 +28,7 @@ from tests.research.benchmark import toy_schemes
 from tests.shapes import pebble
 
 BRIEF = replace(
-    SUITES["smoke"], parts=(Part(("none",)),), schemes=("toy", "absent"), probes=("salient points",)
+    SUITES["smoke"], parts=(Part(attacks=("none",)),), schemes=("toy", "absent"), probes=("salient points",)
 )
 
 
@@ -41,13 +41,13 @@ def brief(monkeypatch):
 @pytest.mark.usefixtures("toys", "brief")
 def test_probes_are_made_once_and_kept(models, tmp_path):
     told = []
-    first = run(Plan("smoke", models, tmp_path, workers=1), lambda *all: told.append(all))
+    first = run(Plan(suite="smoke", data=models, out=tmp_path, workers=1), lambda *all: told.append(all))
     assert told[-1] == (6, 6, 0), "a case and a probe for each of three models"
     assert [probe.model for probe in first.probes] == ["test/deep/odd.off", "tiny.obj", "train/even.ply"]
     assert all(outcome.figures.keys() == SALIENCY.keys() for outcome in some(first.probes.values()))
     assert all(outcome.figures["nc_dgg"]["seconds"] > 0 for outcome in some(first.probes.values()))
     assert first.left == 0
-    again = run(Plan("smoke", models, tmp_path, workers=1), lambda *all: told.append(all))
+    again = run(Plan(suite="smoke", data=models, out=tmp_path, workers=1), lambda *all: told.append(all))
     assert len(told) == 6
     assert again.resumed == 6
     assert again.probes == first.probes
@@ -55,7 +55,7 @@ def test_probes_are_made_once_and_kept(models, tmp_path):
 
 @pytest.mark.usefixtures("toys", "brief")
 def test_when_the_time_is_over_what_was_begun_is_ended_and_the_rest_is_left(models, tmp_path):
-    plan = Plan("smoke", models, tmp_path, workers=1, hours=1.0)
+    plan = Plan(suite="smoke", data=models, out=tmp_path, workers=1, hours=1.0)
 
     def late(after: int) -> Finished:
         """Run with a clock that says, from so many looks at it on, that all the time has gone."""
@@ -75,18 +75,20 @@ def test_when_the_time_is_over_what_was_begun_is_ended_and_the_rest_is_left(mode
 
 def test_a_probe_that_cannot_be_falls_with_its_model(tmp_path):
     with Store(tmp_path) as store:
-        store.add_job(Probe("regions", "a", 0), Outcome("refused", "too small"))
-        store.add_job(Probe("carriers", "b", 0), Outcome("ok", figures={"x": {"y": [1.0, 2.0]}}))
+        store.add_job(Probe(kind="regions", model="a", seed=0), Outcome(status="refused", note="too small"))
+        store.add_job(
+            Probe(kind="carriers", model="b", seed=0), Outcome(status="ok", figures={"x": {"y": [1.0, 2.0]}})
+        )
         found = store.probes()
-    assert found[Probe("carriers", "b", 0)].figures == {"x": {"y": [1.0, 2.0]}}
-    assert found[Probe("regions", "a", 0)].note == "too small"
+    assert found[Probe(kind="carriers", model="b", seed=0)].figures == {"x": {"y": [1.0, 2.0]}}
+    assert found[Probe(kind="regions", model="a", seed=0)].note == "too small"
 
 
 @pytest.mark.usefixtures("toys", "brief")
 def test_a_model_that_cannot_be_read_fails_its_probes_too(tmp_path):
     (tmp_path / "models").mkdir()
     (tmp_path / "models" / "broken.off").write_text("OFF\n1 1\n")
-    found = run(Plan("smoke", tmp_path / "models", tmp_path / "out", workers=1))
+    found = run(Plan(suite="smoke", data=tmp_path / "models", out=tmp_path / "out", workers=1))
     assert [outcome.status for outcome in found.probes.values()] == ["failed"]
     assert [row.status for row in found.rows] == ["failed"]
     assert found.left == 0
@@ -95,7 +97,8 @@ def test_a_model_that_cannot_be_read_fails_its_probes_too(tmp_path):
 def test_probes_depend_on_seed_and_model_alone(models):
     name = "train/even.ply"
     one, same = (
-        probe(models, Probe("salient points", name, 1)).figures["random"]["points"] for _ in range(2)
+        probe(models, Probe(kind="salient points", model=name, seed=1)).figures["random"]["points"]
+        for _ in range(2)
     )
     assert one == same
     assert set(SUITES["paper"].probes) == set(PROBES)
@@ -111,23 +114,23 @@ def test_any_first_models_are_a_sample(models):
 
 @pytest.mark.usefixtures("toys")
 def test_a_plan_without_schemes_has_those_of_the_suite_that_are_there(models, tmp_path, brief):
-    assert schemes_of(Plan("smoke", models, tmp_path)) == ("toy",)
-    assert schemes_of(Plan("speed", models, tmp_path)) == ("ncdg_lv",)
-    assert schemes_of(Plan("smoke", models, tmp_path, ("toy", "all")))[0] == "toy"
-    assert set(schemes_of(Plan("smoke", models, tmp_path, ("all",)))) == set(SCHEMES)
+    assert schemes_of(Plan(suite="smoke", data=models, out=tmp_path)) == ("toy",)
+    assert schemes_of(Plan(suite="speed", data=models, out=tmp_path)) == ("ncdg_lv",)
+    assert schemes_of(Plan(suite="smoke", data=models, out=tmp_path, schemes=("toy", "all")))[0] == "toy"
+    assert set(schemes_of(Plan(suite="smoke", data=models, out=tmp_path, schemes=("all",)))) == set(SCHEMES)
 
 
 @pytest.mark.parametrize("hours", [0.0, -1.0])
 def test_no_time_is_refused(models, tmp_path, hours):
     with pytest.raises(InputError, match="expected more than 0"):
-        run(Plan("smoke", models, tmp_path, hours=hours))
+        run(Plan(suite="smoke", data=models, out=tmp_path, hours=hours))
 
 
 def test_a_scheme_in_a_file_is_measured_and_a_changed_one_is_another_run(models, tmp_path, brief):
     path = tmp_path / "toy.py"
     text = (shutil.copy(toy_schemes.__file__, path), path.read_text())[1]
     path.write_text(text[: text.index("class Crashing")])
-    plan = Plan("smoke", models, tmp_path / "out", (str(path),), limit=1, workers=1)
+    plan = Plan(suite="smoke", data=models, out=tmp_path / "out", schemes=(str(path),), limit=1, workers=1)
     (row,) = run(plan).rows
     assert (row.case.scheme, row.status, row.ber) == (str(path), "ok", 0.0)
     path.write_text(path.read_text().replace("SMALLEST = 100", "SMALLEST = 101"))
@@ -140,15 +143,19 @@ def test_the_psnr_of_an_attacked_model_is_that_of_what_is_left():
     rng = np.random.default_rng(0)
     moved = whole.with_vertices(whole.vertices + rng.normal(0.0, 0.01, whole.vertices.shape))
     number = len(whole.vertices)
-    assert attacked_psnr_db(whole, Attacked(moved, np.arange(number))) == pytest.approx(psnr_db(whole, moved))
+    assert attacked_psnr_db(whole, Attacked(mesh=moved, origin=np.arange(number))) == pytest.approx(
+        psnr_db(whole, moved)
+    )
     order = rng.permutation(number)
     shuffled = Mesh(moved.vertices[order], np.argsort(order)[whole.faces])
-    assert attacked_psnr_db(whole, Attacked(shuffled, order)) == pytest.approx(psnr_db(whole, moved))
+    assert attacked_psnr_db(whole, Attacked(mesh=shuffled, origin=order)) == pytest.approx(
+        psnr_db(whole, moved)
+    )
     left = np.sort(rng.choice(number, number // 3, replace=False))
     part = Mesh(moved.vertices[left], np.zeros((0, 3), np.int64))
     square = np.sum((moved.vertices[left] - whole.vertices[left]) ** 2) / len(left)
     diagonal = np.linalg.norm(np.ptp(whole.vertices, axis=0))
     expected = 20 * np.log10(diagonal / np.sqrt(square))
-    assert attacked_psnr_db(whole, Attacked(part, left)) == pytest.approx(expected)
-    assert attacked_psnr_db(whole, Attacked(moved, None)) is None
-    assert attacked_psnr_db(whole, Attacked(moved, np.full(number, -1))) is None
+    assert attacked_psnr_db(whole, Attacked(mesh=part, origin=left)) == pytest.approx(expected)
+    assert attacked_psnr_db(whole, Attacked(mesh=moved, origin=None)) is None
+    assert attacked_psnr_db(whole, Attacked(mesh=moved, origin=np.full(number, -1))) is None

@@ -22,7 +22,7 @@ from tests.research.benchmark.planted import planted_rows
 ROOT = Path(__file__).parents[2]
 ROWS = planted_rows(models=16)
 ALL = [f for f in robustness(ROWS) if (f.split, f.size_class, f.budget) == ("test", "all", "standard")]
-SERIES = [Series(Entry("ncdg_lv, standard", 0), tuple(ALL))]
+SERIES = [Series(Entry(words="ncdg_lv, standard", colour=0), tuple(ALL))]
 
 
 def test_attacks_of_several_strengths_have_curves_and_the_others_dots():
@@ -112,14 +112,15 @@ def test_nothing_of_matplotlibs_global_state_is_used():
     import matplotlib
 
     before = dict(matplotlib.rcParams)
-    legend("l", (Entry("one", 0), Entry("two", 1, 1)))
+    legend("l", (Entry(words="one", colour=0), Entry(words="two", colour=1, dash=1)))
     plots(planted_rows(models=3, budgets=("standard",)))
     assert dict(matplotlib.rcParams) == before
 
 
 def test_pyplot_is_not_imported():
     program = (
-        "import sys; from meshmark.research.benchmark.page.plots import plots; from tests.research.benchmark.planted import planted_rows;"
+        "import sys; from meshmark.research.benchmark.page.plots import plots; "
+        "from tests.research.benchmark.planted import planted_rows;"
         "plots(planted_rows(models=2, budgets=('standard',))); print('matplotlib.pyplot' in sys.modules)"
     )
     done = subprocess.run(

@@ -58,33 +58,43 @@ def test_a_refused_model_is_refused_in_every_case_that_needs_the_mark(whole):
 
 @pytest.mark.usefixtures("toys")
 def test_two_workers_say_what_one_says(whole, models, tmp_path):
-    assert numbers(run(Plan("smoke", models, tmp_path, ("toy",), workers=2)).rows) == numbers(whole.rows)
+    assert numbers(
+        run(Plan(suite="smoke", data=models, out=tmp_path, schemes=("toy",), workers=2)).rows
+    ) == numbers(whole.rows)
 
 
 @pytest.mark.usefixtures("toys")
 def test_a_case_alone_has_the_same_numbers(whole, models, tmp_path):
-    few = run(Plan("smoke", models, tmp_path, ("toy",), limit=1, workers=1)).rows
+    few = run(Plan(suite="smoke", data=models, out=tmp_path, schemes=("toy",), limit=1, workers=1)).rows
     assert numbers(few) == [row for row in numbers(whole.rows) if row.case in {each.case for each in few}]
     assert {row.case.model for row in few} == {"test/deep/odd.off"}
 
 
 @pytest.mark.usefixtures("toys")
 def test_another_seed_gives_other_numbers(whole, models, tmp_path):
-    other = run(Plan("smoke", models, tmp_path, ("toy",), limit=1, seed=1, workers=1)).rows
+    other = run(
+        Plan(suite="smoke", data=models, out=tmp_path, schemes=("toy",), limit=1, seed=1, workers=1)
+    ).rows
     same = [row for row in whole.rows if row.case.model == other[0].case.model]
     assert [row.rms_over_diagonal for row in other] != [row.rms_over_diagonal for row in same]
 
 
 @pytest.mark.usefixtures("toys")
 def test_a_finished_run_is_not_repeated_and_more_models_only_add(whole, models, tmp_path):
-    small = run(Plan("smoke", models, tmp_path, ("toy",), limit=1, workers=1))
+    small = run(Plan(suite="smoke", data=models, out=tmp_path, schemes=("toy",), limit=1, workers=1))
     told = []
-    again = run(Plan("smoke", models, tmp_path, ("toy",), limit=1), lambda *all: told.append(all))
+    again = run(
+        Plan(suite="smoke", data=models, out=tmp_path, schemes=("toy",), limit=1),
+        lambda *all: told.append(all),
+    )
     assert told == []
     assert again.rows == small.rows
     assert again.resumed == len(small.rows)
     assert again.facts.starts == 2
-    grown = run(Plan("smoke", models, tmp_path, ("toy",), workers=1), lambda *all: told.append(all))
+    grown = run(
+        Plan(suite="smoke", data=models, out=tmp_path, schemes=("toy",), workers=1),
+        lambda *all: told.append(all),
+    )
     assert [done for done, _, _ in told] == list(range(len(small.rows) + 1, len(grown.rows) + 1))
     assert numbers(grown.rows) == numbers(whole.rows)
     assert set(small.rows) <= set(grown.rows)
@@ -100,7 +110,7 @@ def test_a_finished_run_is_not_repeated_and_more_models_only_add(whole, models, 
     ],
 )
 def test_a_folder_keeps_to_its_run(models, tmp_path, change, sentence):
-    plan = Plan("smoke", models, tmp_path, ("toy",), limit=1, workers=1)
+    plan = Plan(suite="smoke", data=models, out=tmp_path, schemes=("toy",), limit=1, workers=1)
     with Store(tmp_path) as store:
         store.begin(replace(run_facts(plan)))
     with pytest.raises(InputError, match=sentence):
@@ -128,12 +138,12 @@ def run_facts(plan):
 )
 def test_a_plan_that_cannot_be_is_refused(models, tmp_path, change, sentence):
     with pytest.raises(InputError, match=sentence):
-        run(replace(Plan("smoke", models, tmp_path / "new"), **change))
+        run(replace(Plan(suite="smoke", data=models, out=tmp_path / "new"), **change))
 
 
 def test_one_folder_one_run_at_a_time(models, tmp_path):
     with Store(tmp_path), pytest.raises(OutputError, match="another benchmark is running"):
-        run(Plan("smoke", models, tmp_path))
+        run(Plan(suite="smoke", data=models, out=tmp_path))
 
 
 @pytest.fixture(scope="module")
@@ -156,7 +166,7 @@ def pair(models, tmp_path_factory):
     ],
 )
 def test_misfortune_is_a_row_and_harms_no_other(pair, tmp_path, scheme, status, note):
-    rows = run(Plan("speed", pair, tmp_path, (scheme,), workers=2)).rows
+    rows = run(Plan(suite="speed", data=pair, out=tmp_path, schemes=(scheme,), workers=2)).rows
     odd = [row for row in rows if row.case.model == "odd.off" or scheme == "short"]
     assert len(rows) == 10
     assert {row.status for row in odd} == {status}
@@ -179,7 +189,7 @@ def test_a_case_that_hangs_is_a_row_and_harms_no_other(pair, tmp_path, monkeypat
 
 @pytest.mark.usefixtures("toys")
 def test_a_scheme_that_is_not_blind_is_given_the_original(models, tmp_path):
-    rows = run(Plan("smoke", models, tmp_path, ("informed",), limit=1, workers=1)).rows
+    rows = run(Plan(suite="smoke", data=models, out=tmp_path, schemes=("informed",), limit=1, workers=1)).rows
     found = {(row.case.attack, row.case.trial): row.present for row in rows}
     assert found["none", "marked"] is True
     assert found["none", "unmarked"] is False
@@ -193,7 +203,7 @@ def test_models_that_cannot_be_read_are_rows(models, tmp_path):
     (folder / "good.ply").write_bytes((models / "train" / "even.ply").read_bytes())
     (folder / "torn.off").write_text("OFF\n3 1 0\n0 0 0\n")
     (folder / "torn.stl.xz").write_bytes(b"\xfd7zXZ\0 no more")
-    rows = run(Plan("speed", folder, tmp_path / "out", ("toy",), workers=1)).rows
+    rows = run(Plan(suite="speed", data=folder, out=tmp_path / "out", schemes=("toy",), workers=1)).rows
     assert {row.status for row in rows if row.case.model == "good.ply"} == {"ok"}
     for name, words in (("torn.off", "torn.off"), ("torn.stl.xz", "cannot unpack")):
         torn = [row for row in rows if row.case.model == name]

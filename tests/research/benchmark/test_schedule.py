@@ -12,7 +12,7 @@ from meshmark.research.benchmark.run.schedule import Schedule
 from meshmark.research.benchmark.run.suites import cases
 from tests.counting import some
 
-OK = Outcome("ok")
+OK = Outcome(status="ok")
 ALL = [case for model in ("a", "b", "c") for case in cases("security", "toy", model, 0)]
 
 
@@ -50,7 +50,7 @@ def test_one_worker_keeps_the_order_of_the_cases():
 
 @pytest.mark.parametrize("status", ["failed", "timeout", "killed"])
 def test_a_model_that_cannot_be_read_takes_its_cases_along(status):
-    bad = Outcome(status, "why")
+    bad = Outcome(status=status, note="why")
     given, fallen = played(Schedule(ALL, {}), lambda job: bad if job == Look("b") else OK, 2)
     assert sorted(fallen, key=lambda each: each[0]) == [
         (case, bad) for case in sorted(ALL) if case.model == "b"
@@ -61,7 +61,9 @@ def test_a_model_that_cannot_be_read_takes_its_cases_along(status):
 
 def test_a_refused_mark_takes_along_only_what_needs_it():
     refused = mark_of(next(case for case in ALL if case.model == "a"))
-    given, fallen = played(Schedule(ALL, {}), lambda job: Outcome("refused") if job == refused else OK, 3)
+    given, fallen = played(
+        Schedule(ALL, {}), lambda job: Outcome(status="refused") if job == refused else OK, 3
+    )
     lost = [case for case in ALL if refused in marks_of(case)]
     assert sorted(case for case, _ in fallen) == sorted(lost)
     assert {case.trial for case in lost} == {"marked", "wrong key"}
@@ -70,13 +72,13 @@ def test_a_refused_mark_takes_along_only_what_needs_it():
 
 def test_a_copy_that_fails_takes_along_only_the_collusions():
     lost_copy = marks_of(next(case for case in ALL if case.attack == "collusion:5"))[3]
-    _, fallen = played(Schedule(ALL, {}), lambda job: Outcome("killed") if job == lost_copy else OK, 3)
+    _, fallen = played(Schedule(ALL, {}), lambda job: Outcome(status="killed") if job == lost_copy else OK, 3)
     assert [case.attack for case, _ in fallen] == ["collusion:5"]
 
 
 def test_what_an_earlier_start_has_done_is_not_given_out_again():
     first = mark_of(ALL[0])
-    known = {Look("a"): OK, first: OK, Look("b"): Outcome("failed", "torn")}
+    known = {Look("a"): OK, first: OK, Look("b"): Outcome(status="failed", note="torn")}
     given, fallen = played(Schedule(ALL, known), lambda _: OK, 2)
     assert not set(known) & set(given)
     assert {case for case, _ in fallen} == {case for case in ALL if case.model == "b"}

@@ -15,9 +15,9 @@ from meshmark.research.benchmark.run.store import NAME, Store
 
 CASE = Case("smoke", "toy", "a/b ü'.off", "standard", "noise:0.001", "marked", 2**62, 1)
 FULL = Row(
-    CASE,
-    "ok",
-    "",
+    case=CASE,
+    status="ok",
+    note="",
     points=3,
     size_class="< 500",
     split="test",
@@ -27,7 +27,15 @@ FULL = Row(
     log10_false_positive=-12.25,
     extract_seconds=1e-9,
 )
-FACTS = Facts("smoke", 1, {"toy": "Toy (tests)"}, "/data", 3, command="x", versions={"meshmark": "1"})
+FACTS = Facts(
+    suite="smoke",
+    seed=1,
+    schemes={"toy": "Toy (tests)"},
+    data="/data",
+    models=3,
+    command="x",
+    versions={"meshmark": "1"},
+)
 
 
 @pytest.fixture
@@ -37,7 +45,7 @@ def store(tmp_path):
 
 
 def test_rows_come_back_equal_and_sorted(store):
-    bare = Row(replace(CASE, attack="crop:0.1"), "failed", "a 'sentence'; with --signs\n")
+    bare = Row(case=replace(CASE, attack="crop:0.1"), status="failed", note="a 'sentence'; with --signs\n")
     for row in (FULL, bare):
         store.add_row(row)
     assert store.rows() == [bare, FULL]
@@ -62,12 +70,14 @@ def test_cases_that_differ_in_one_field_are_two(store, name):
 
 
 def test_jobs_come_back_and_kinds_do_not_mix(store):
-    outcome = Outcome("ok", "note", {"points": 3, "psnr_db": None, "rms_over_diagonal": 1 / 3})
-    marks = [Mark("toy", "m", "standard", 1, number=number) for number in (0, 1)]
+    outcome = Outcome(
+        status="ok", note="note", figures={"points": 3, "psnr_db": None, "rms_over_diagonal": 1 / 3}
+    )
+    marks = [Mark(scheme="toy", owner="m", budget="standard", seed=1, number=number) for number in (0, 1)]
     store.add_job(Look("m"), outcome)
-    store.add_job(marks[0], Outcome("refused", "too small"))
+    store.add_job(marks[0], Outcome(status="refused", note="too small"))
     assert store.job(Look("m")) == outcome
-    assert store.job(marks[0]) == Outcome("refused", "too small")
+    assert store.job(marks[0]) == Outcome(status="refused", note="too small")
     assert store.job(marks[1]) is None
 
 

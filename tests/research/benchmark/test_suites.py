@@ -69,7 +69,7 @@ def case(attack, trial="marked", suite="security", repeat=0):
 
 
 def test_a_case_needs_its_model_and_its_mark():
-    mark = Mark("toy", "m.off", "standard", 5)
+    mark = Mark(scheme="toy", owner="m.off", budget="standard", seed=5)
     assert mark_of(case("none")) == mark
     assert needs(case("none")) == [Look("m.off"), mark]
     assert needs(case("none", "wrong key", repeat=3)) == [Look("m.off"), mark]

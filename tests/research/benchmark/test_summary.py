@@ -7,7 +7,7 @@ from meshmark.research.benchmark.run.row import Case, Row
 
 
 def row(attack, model, status="ok", **figures):
-    return Row(Case("smoke", "toy", model, "standard", attack, "marked", 0), status, **figures)
+    return Row(case=Case("smoke", "toy", model, "standard", attack, "marked", 0), status=status, **figures)
 
 
 ROWS = [
@@ -21,8 +21,30 @@ ROWS = [
 
 def test_lines_count_cases_by_outcome():
     mild, hard = summary(ROWS)
-    assert mild == Line("toy", "standard", "marked", "noise:0.001", 4, 1, 1, 2, 1, 0.05)
-    assert hard == Line("toy", "standard", "marked", "noise:0.01", 1, 0, 0, 0, 0, 0.5)
+    assert mild == Line(
+        scheme="toy",
+        budget="standard",
+        trial="marked",
+        attack="noise:0.001",
+        cases=4,
+        refused=1,
+        failed=1,
+        present=2,
+        recovered=1,
+        ber=0.05,
+    )
+    assert hard == Line(
+        scheme="toy",
+        budget="standard",
+        trial="marked",
+        attack="noise:0.01",
+        cases=1,
+        refused=0,
+        failed=0,
+        present=0,
+        recovered=0,
+        ber=0.5,
+    )
 
 
 def test_a_line_without_a_reading_has_no_error_rate():

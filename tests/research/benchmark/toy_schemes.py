@@ -37,7 +37,9 @@ class Toy:
         phase = np.cos(2 * np.pi * (mesh.vertices[:, 0] / STEP - dither))
         sums = np.bincount(place, phase, minlength=self.bits)
         counts = np.bincount(place, minlength=self.bits)
-        return Readout((sums < 0).astype(np.uint8), bool(np.abs(sums).sum() > 0.5 * counts.sum()))
+        return Readout(
+            bits=(sums < 0).astype(np.uint8), present=bool(np.abs(sums).sum() > 0.5 * counts.sum())
+        )
 
     def _plan(self, count, key):
         random = np.random.default_rng(list(key.subkey("toy")))
@@ -88,7 +90,7 @@ class Short(Toy):
     """Reads too few bits."""
 
     def extract(self, mesh, key, *, reference=None):
-        return Readout(np.zeros(3, np.uint8), True)
+        return Readout(bits=np.zeros(3, np.uint8), present=True)
 
 
 class Informed(Toy):
@@ -99,4 +101,4 @@ class Informed(Toy):
     def extract(self, mesh, key, *, reference=None):
         assert reference is not None
         found = super().extract(mesh, key)
-        return Readout(found.bits, not np.array_equal(reference.vertices, mesh.vertices))
+        return Readout(bits=found.bits, present=not np.array_equal(reference.vertices, mesh.vertices))

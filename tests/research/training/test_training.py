@@ -34,7 +34,16 @@ def made_up(seed: int, noise: float = 0.7) -> Trial:
     spread = noise * relief.grain / relief.grain.mean()
     phase = np.pi * bits + spread * rng.normal(size=200)
     keys = CellKeys(np.arange(200), rng.uniform(size=200))
-    return Trial("noise", noise, phase, cells, keys, STEP, relief, 1.0 - 2.0 * bits)
+    return Trial(
+        attack="noise",
+        strength=noise,
+        phase=phase,
+        cells=cells,
+        keys=keys,
+        step=STEP,
+        relief=relief,
+        targets=1.0 - 2.0 * bits,
+    )
 
 
 def test_trials_are_readings_of_the_marked_bits():

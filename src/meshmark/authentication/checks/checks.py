@@ -33,7 +33,7 @@ __all__ = ["Checks", "check"]
 _COINCIDENT = 8.0
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Checks:
     """What the marks say about p points.
 
@@ -91,11 +91,11 @@ def check(surface: Welded, key: Key, nonce: int | None = None, payload: SymbolSo
     outdone = _outdone(pairs, found.vertex, np.where(read.holds, read.off, np.inf), len(points))
     place = read.holds & (found.kind == PLACE) & ~outdone[found.vertex]
     evidence = Evidence(
-        found.vertex[place],
-        found.centre[place],
-        directions(found.take(place)),
-        place_values(read.symbol[place], layout.symbol),
-        2.0 / (1 << layout.symbol),
+        vertex=found.vertex[place],
+        centre=found.centre[place],
+        direction=directions(found.take(place)),
+        value=place_values(read.symbol[place], layout.symbol),
+        step=2.0 / (1 << layout.symbol),
     )
     linked = np.concatenate([pairs, _copied(surface, passed, setting.unit)])
     passed, scale = in_place(
@@ -106,21 +106,21 @@ def check(surface: Welded, key: Key, nonce: int | None = None, payload: SymbolSo
     told = stray & passed[found.vertex]
     told &= ~_outdone(pairs, found.vertex, np.where(read.holds, read.off, np.inf), len(points))[found.vertex]
     return Checks(
-        able,
-        passed,
-        _vouched(pairs, passed) & ~torn,
-        swept.nonce,
-        found.index[told],
-        read.symbol[told].astype(np.uint16),
-        found.vertex[told],
-        layout.symbol,
-        setting.unit,
-        chance_of(found, read.holds, layout),
-        torn,
-        scale,
-        found.index[stray],
-        read.symbol[stray].astype(np.uint16),
-        found.vertex[stray],
+        eligible=able,
+        passed=passed,
+        verified=_vouched(pairs, passed) & ~torn,
+        nonce=swept.nonce,
+        index=found.index[told],
+        value=read.symbol[told].astype(np.uint16),
+        vertex=found.vertex[told],
+        symbol_bits=layout.symbol,
+        step=setting.unit,
+        log10_chance=chance_of(found, read.holds, layout),
+        torn=torn,
+        scale=scale,
+        stray_index=found.index[stray],
+        stray_value=read.symbol[stray].astype(np.uint16),
+        stray_vertex=found.vertex[stray],
     )
 
 
@@ -180,19 +180,19 @@ def _outdone(pairs: IntArray, vertex: IntArray, off: FloatArray, count: int) -> 
 def _nothing(count: int) -> Checks:
     no = np.zeros(count, bool)
     return Checks(
-        no,
-        no,
-        no,
-        None,
-        np.empty(0, np.uint32),
-        np.empty(0, np.uint16),
-        np.empty(0, np.int64),
-        0,
-        0.0,
-        0.0,
-        no,
-        Scale(),
-        np.empty(0, np.uint32),
-        np.empty(0, np.uint16),
-        np.empty(0, np.int64),
+        eligible=no,
+        passed=no,
+        verified=no,
+        nonce=None,
+        index=np.empty(0, np.uint32),
+        value=np.empty(0, np.uint16),
+        vertex=np.empty(0, np.int64),
+        symbol_bits=0,
+        step=0.0,
+        log10_chance=0.0,
+        torn=no,
+        scale=Scale(),
+        stray_index=np.empty(0, np.uint32),
+        stray_value=np.empty(0, np.uint16),
+        stray_vertex=np.empty(0, np.int64),
     )

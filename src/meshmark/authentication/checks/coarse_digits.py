@@ -25,7 +25,7 @@ _SHARE: Final = 0.5
 _LEAST: Final = 40
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class CoarseDigits:
     """called: such as "a grid of 16 bits"; half: the most by which it moved a coordinate, in scene units.
 
@@ -50,7 +50,7 @@ def coarse_digits(vertices: FloatArray) -> CoarseDigits | None:
         for called, step, off in way(vertices):
             outside = np.asarray((off > 1.0).any(axis=1))
             if outside.mean() <= 1.0 - _SHARE:
-                found.append(CoarseDigits(called, step / 2.0, outside))
+                found.append(CoarseDigits(called=called, half=step / 2.0, off=outside))
                 break
     return max(found, key=lambda each: each.half, default=None)
 

@@ -27,7 +27,7 @@ _SLACK = 1.0
 _DOUBTS = 3.0
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Evidence:
     """What e marks say of their places.
 

@@ -24,7 +24,7 @@ _WINDOW, _WINDOWS = 0.12, 8.0
 _MIX = np.array([0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9, 0x94D049BB133111EB], np.uint64)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Read:
     """What candidates say: symbols (c,), whether a mark holds, how far it is off, and whether its ring was torn."""
 
@@ -54,7 +54,7 @@ def read_marks(
         last = window
         window = window_of(off[holds])
     holds &= off <= window
-    return Read(symbol, holds, off, torn & holds)
+    return Read(symbol=symbol, holds=holds, off=off, torn=torn & holds)
 
 
 def window_of(off: FloatArray) -> float:

@@ -23,7 +23,7 @@ _GROUPS, _CHANCE, _TOGETHER = (32, 64, 128), 1e-3, 4
 _MOST = 0.5
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Rounded:
     """called: what the model was rounded to. beyond: (n,) vertices that were changed beyond that.
 
@@ -54,7 +54,7 @@ def rounded_everywhere(mesh: Mesh, found: Examination) -> Rounded | None:
     clear = len(rows) >= 2 * max(_GROUPS) and float(failing.mean()) <= _MOST
     if clear:
         off[rows[_crowded(found.surface.points[rows], failing)]] = True
-    return Rounded(coarse.called, (off & found.altered)[of_vertex], clear)
+    return Rounded(called=coarse.called, beyond=(off & found.altered)[of_vertex], clear=clear)
 
 
 def _crowded(points: FloatArray, failing: NDArray[np.bool_]) -> NDArray[np.bool_]:

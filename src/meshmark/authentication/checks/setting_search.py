@@ -36,7 +36,7 @@ _BY_LUCK = 3
 _SAME, _NEXT = 1e-9, 0.25
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Setting:
     """How marks were made, as a sample tells.
 
@@ -129,7 +129,13 @@ def _best(
             middle, doubt = (least + most) / 2.0, (most - least) / 2.0
             within = (size >= middle) & (size <= middle + 1.0)
             chance = chance_of(found.take(within), holds[within], layout)
-            best = Setting(2.0 ** (middle / 2.0), doubt, layout, last - first, chance)
+            best = Setting(
+                unit=2.0 ** (middle / 2.0),
+                doubt=doubt,
+                layout=layout,
+                count=last - first,
+                log10_chance=chance,
+            )
     return best
 
 

@@ -35,7 +35,7 @@ _ROUNDED, _NEAR = 0.03, 0.15
 _Parts = list[tuple[Rings, RingShapes]]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Sweep:
     """found: (c,) the candidates tried; read: what they say; nonce: the model's id, as given or as they tell.
 
@@ -95,7 +95,7 @@ def sweep(
         read = read_marks(found, key, setting.layout, told, payload)
         lucky = read.torn & (np.arange(len(found.vertex)) >= first)  # so many tries would make holes
         read = replace(read, holds=read.holds & ~lucky, torn=read.torn & ~lucky)
-    return Sweep(found, read, told, able, rounded)
+    return Sweep(found=found, read=read, nonce=told, able=able, rounded=rounded)
 
 
 def _able(shape: RingShapes, setting: Setting) -> NDArray[np.bool_]:

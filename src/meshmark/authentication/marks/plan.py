@@ -51,7 +51,7 @@ _FIRM = 4.0
 SymbolSource = Callable[[NDArray[np.uint32]], NDArray[np.uint16]]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Plan:
     """What a surface can carry.
 
@@ -79,7 +79,7 @@ class Plan:
         return len(self.payload_index)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Marked:
     """A marked surface.
 
@@ -126,7 +126,13 @@ def mark(
     change = places_of(words, found.place, layout) - found.place
     points = surface.points.copy()
     points[found.vertex] += np.einsum("rj,rji->ri", change * found.step[:, None], found.axes)
-    return Marked(points, len(found.vertex), layout.bits, layout.symbol, chosen.unit)
+    return Marked(
+        points=points,
+        count=len(found.vertex),
+        bits_per_mark=layout.bits,
+        symbol_bits=layout.symbol,
+        step=chosen.unit,
+    )
 
 
 def _prepared(surface: Welded, key: Key, precision: float, choice: int) -> tuple[Plan, Candidates]:
@@ -196,7 +202,14 @@ def _plan(
     found = joined([_plain(points, *part, chosen, unit, key) for part in parts])
     payload = found.index[found.kind == PAYLOAD]
     tells = covers_id(found.index[found.kind == HEADER], layout.symbol)
-    return Plan(found.vertex, payload, layout, unit, _covered(parts, chosen), tells), found
+    return Plan(
+        marks=found.vertex,
+        payload_index=payload,
+        layout=layout,
+        unit=unit,
+        covered=_covered(parts, chosen),
+        tells_id=tells,
+    ), found
 
 
 def _covered(parts: _Parts, chosen: NDArray[np.bool_]) -> float:

@@ -27,7 +27,7 @@ _NEAR = 3.5
 _COARSER = (1.2, 1.45)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Planned:
     """What to mark: a mesh of which points that rounding may make one are one already, and its surface; and how."""
 
@@ -87,4 +87,4 @@ def _planned(mesh: Mesh, key: Key, precision: Precision) -> Planned:
     if (placed != surface.points).any():
         mesh = mesh.with_vertices(conform(mesh, placed[surface.point_of_vertex]))
         surface = weld(mesh)
-    return Planned(mesh, surface, plan(surface, key, precision.error), precision)
+    return Planned(mesh=mesh, surface=surface, plan=plan(surface, key, precision.error), precision=precision)

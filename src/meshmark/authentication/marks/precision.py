@@ -33,7 +33,7 @@ _DEFAULT = (*_STRICT, "digits")
 _TOLERANT = (*_DEFAULT, "axes", "cells", "side")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Precision:
     """error: the largest of a coordinate, in scene units, that must not break a mark; enough: payload bits per
     vertex that it must leave room for, to be chosen; remark: what is given up with it. bears: names of the
@@ -55,23 +55,25 @@ def precisions_of(mesh: Mesh, tolerance: str | None = None) -> tuple[Precision, 
     """
     if tolerance is not None and tolerance != "default":
         return (
-            Precision(precision_of(mesh, tolerance), bears=_TOLERANT if tolerance == "tolerant" else _STRICT),
+            Precision(
+                error=precision_of(mesh, tolerance), bears=_TOLERANT if tolerance == "tolerant" else _STRICT
+            ),
         )
     strict, floats = precision_of(mesh), _floats(mesh)
     digits = _six_digits(mesh)
     chosen = [
-        Precision(max(digits, strict), enough=float(digits > strict), bears=_DEFAULT),
-        Precision(strict, remark=_NOT_SIX, bears=_STRICT),
+        Precision(error=max(digits, strict), enough=float(digits > strict), bears=_DEFAULT),
+        Precision(error=strict, remark=_NOT_SIX, bears=_STRICT),
     ]
     if floats < strict:
         remark = "the model is so small that the marks of authentication need more than six decimals"
         remark = f"{remark}: in exports with fewer it is called altered"
-        chosen.append(Precision(floats, remark=remark, bears=_FLOATS))
+        chosen.append(Precision(error=floats, remark=remark, bears=_FLOATS))
     if (near := _near(mesh)) < floats:
         remark = (
             "the model lies so far from its origin that the marks of authentication need double precision"
         )
-        chosen.append(Precision(near, remark=f"{remark}: in exports with less it is called altered"))
+        chosen.append(Precision(error=near, remark=f"{remark}: in exports with less it is called altered"))
     return tuple(chosen)
 
 

@@ -15,7 +15,7 @@ __all__ = ["LARGEST", "SMALLEST", "Rings", "ordered_rings"]
 SMALLEST, LARGEST = 3, 14
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Rings:
     """Points whose rings have k neighbours each.
 
@@ -31,7 +31,9 @@ class Rings:
 
     def take(self, rows: IntArray | NDArray[np.bool_]) -> Rings:
         """Return these rows."""
-        return Rings(self.vertex[rows], self.around[rows], self.open[rows], self.rim[rows])
+        return Rings(
+            vertex=self.vertex[rows], around=self.around[rows], open=self.open[rows], rim=self.rim[rows]
+        )
 
 
 def ordered_rings(faces: IntArray, count: int) -> list[Rings]:
@@ -59,7 +61,7 @@ def ordered_rings(faces: IntArray, count: int) -> list[Rings]:
         if len(vertex):
             around, whole = _walk(first[vertex], following, start, end, ends[vertex] == 1, size)
             vertex, around = vertex[whole], around[whole]
-            rings.append(Rings(vertex, around, ends[vertex] == 1, rim[around]))
+            rings.append(Rings(vertex=vertex, around=around, open=ends[vertex] == 1, rim=rim[around]))
     return [group for group in rings if len(group.vertex)]
 
 

@@ -36,7 +36,7 @@ INTACT = 0.55
 """Share of the marks that must be left for the payload: 60 % of a surface, less what its border breaks."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Payload:
     """kind: one of `KINDS`; content: a miniature's bytes, the user's bytes, or those of an image file as it was.
 
@@ -66,7 +66,7 @@ def unpack(packed: bytes) -> Payload:
         raise InputError(
             "the payload is of a kind that this version does not know, expected a newer meshmark"
         )
-    return Payload(KINDS[kind], packed[head:], Whole.read(packed[1:head]))
+    return Payload(kind=KINDS[kind], content=packed[head:], whole=Whole.read(packed[1:head]))
 
 
 def capacity(marks: int, symbol_bits: int, intact: float = INTACT) -> int:

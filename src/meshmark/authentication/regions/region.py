@@ -19,7 +19,7 @@ __all__ = ["Region", "judge_regions"]
 _SPILT = 1
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Region:
     """One region of the map.
 
@@ -56,13 +56,13 @@ def judge_regions(evidence: RegionEvidence, centres: FloatArray) -> tuple[Region
     chance = np.minimum(evidence.log10_chance.min(axis=1) + np.log10(2.0), 0.0)
     return tuple(
         Region(
-            i,
-            "altered" if called[i] else "intact" if checks[i] else "unchecked",
-            float(probability[i]),
-            int(checks[i]),
-            int(failed[i]),
-            float(chance[i]),
-            (float(x), float(y), float(z)),
+            id=i,
+            verdict="altered" if called[i] else "intact" if checks[i] else "unchecked",
+            probability=float(probability[i]),
+            checks=int(checks[i]),
+            failed=int(failed[i]),
+            log10_chance=float(chance[i]),
+            centre=(float(x), float(y), float(z)),
         )
         for i, (x, y, z) in enumerate(centres)
     )

@@ -37,7 +37,7 @@ _TOGETHER = 4.0
 _LARGEST = 30.0
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class RegionEvidence:
     """Of n regions; the rows of two columns are the top (green) and the bottom (blue) half.
 
@@ -90,11 +90,11 @@ def region_evidence(
     if len(held):
         home[held.reshape(len(held), count, 2).sum(axis=2).argmax(axis=1)] = True
     return RegionEvidence(
-        total.reshape(-1, 2).astype(np.int64),
-        failed.reshape(-1, 2).astype(np.int64),
-        chance.reshape(-1, 2),
-        home,
-        np.stack(columns, axis=1).reshape(count, 2, len(FEATURES)),
+        checks=total.reshape(-1, 2).astype(np.int64),
+        failed=failed.reshape(-1, 2).astype(np.int64),
+        log10_chance=chance.reshape(-1, 2),
+        home=home,
+        features=np.stack(columns, axis=1).reshape(count, 2, len(FEATURES)),
     )
 
 

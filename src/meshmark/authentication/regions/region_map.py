@@ -46,7 +46,12 @@ def region_map(mesh: Mesh, found: Examination, altered: NDArray[np.bool_]) -> Re
     map_ = segment(mesh)
     points, faces = found.surface.points, found.surface.faces
     first = found.surface.vertex_of_point
-    regions = Regions(map_.region[first], map_.green[first], map_.green_share, map_.blue_share)
+    regions = Regions(
+        region=map_.region[first],
+        green=map_.green[first],
+        green_share=map_.green_share,
+        blue_share=map_.blue_share,
+    )
     centres = _centres(points, vertex_areas(points, faces), regions, altered)
     judged = judge_regions(region_evidence(faces, regions, found.checks, altered), centres)
     if not found.marked:

@@ -28,7 +28,7 @@ SIDE_DISTANCE = 0.1
 LEAST_FLATNESS = 0.4
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Landmarks:
     """n landmarks in canonical coordinates (unit: the frame's scale).
 
@@ -91,4 +91,11 @@ def make_landmarks(surfels: Surfels, coarse: Surfels, count: int) -> Landmarks:
     wide = look(surfels, places, normals, 1.5 * WIDTH)
     curvature = wide.heights - seen.heights[good]
     described = describe(coarse, places, normals, RADIUS)
-    return Landmarks(places, normals, seen.masses[good], curvature, described, 1.0)
+    return Landmarks(
+        places=places,
+        normals=normals,
+        masses=seen.masses[good],
+        curvatures=curvature,
+        descriptors=described,
+        explains=1.0,
+    )

@@ -31,7 +31,7 @@ SEEDS = 40
 PARTNERS = 25
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Spots:
     """Places on the suspect surface (n, 3), unit normals (n, 3), descriptors (n, DESCRIPTOR_LENGTH)."""
 

@@ -63,7 +63,9 @@ class Surface:
     def described(self, scale: float) -> Spots:
         """Return the spots with descriptors of balls as large as those of a reference of this scale."""
         places, normals = self.spots
-        return Spots(places, normals, describe(self.coarse, places, normals, RADIUS * scale))
+        return Spots(
+            places=places, normals=normals, descriptors=describe(self.coarse, places, normals, RADIUS * scale)
+        )
 
     @cached_property
     def judges(self) -> Surfels:

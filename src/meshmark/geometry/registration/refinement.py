@@ -38,7 +38,7 @@ FIXED = 1e-5
 UNCERTAIN = 0.003
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Fit:
     """A pose (landmarks -> surface) and what the n landmarks see there.
 
@@ -84,7 +84,7 @@ def approach(landmarks: Landmarks, surfels: Surfels, pose: Similarity) -> Simila
 
 def settle(landmarks: Landmarks, coarse: Surfels, fine: Surfels, pose: Similarity) -> Fit:
     """Return the pose at which the windows around the landmarks see the surface, in pieces, at height zero."""
-    fit = Fit(pose, np.zeros(len(landmarks)), np.zeros(len(landmarks)), np.inf)
+    fit = Fit(pose=pose, heights=np.zeros(len(landmarks)), weights=np.zeros(len(landmarks)), doubt=np.inf)
     for surfels, rounds in ((coarse, COARSE_ROUNDS), (fine, FINE_ROUNDS)):
         for _ in range(rounds):
             before = fit.pose
@@ -104,7 +104,7 @@ def _through_windows(landmarks: Landmarks, surfels: Surfels, pose: Similarity) -
     trust = np.where((share > LEAST_SHARE) & (facing > SAME_WAY), share**2, 0.0)
     weights = trust * _robust(seen.heights, FINEST * pose.scale, trust > 0.0)
     after, unsure = _step(pose, seen.middles, normals, seen.heights, weights, landmarks.curvatures)
-    return Fit(after, seen.heights / pose.scale, weights, unsure / pose.scale)
+    return Fit(pose=after, heights=seen.heights / pose.scale, weights=weights, doubt=unsure / pose.scale)
 
 
 def _robust(heights: FloatArray, finest: float, counted: NDArray[np.bool_] | None = None) -> FloatArray:
@@ -143,7 +143,7 @@ def _step(
     variance = max(weights @ (heights - jacobian @ theta) ** 2 / total, (UNCERTAIN * pose.scale) ** 2)
     turn = rotation_of(theta[3:6] / size)
     growth = float(np.exp(theta[6] / size))
-    move = Similarity(growth, turn, centre + theta[:3] - growth * (turn @ centre))
+    move = Similarity(scale=growth, rotation=turn, shift=centre + theta[:3] - growth * (turn @ centre))
     return move.after(pose), float(np.sqrt(variance)) / _weakest(normal)
 
 

@@ -51,7 +51,7 @@ SCALES_FROM, SCALES_TO = 0.4, 4.0
 SAME_SCALE = 0.05
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Registered:
     """A pose (reference's canonical coordinates -> suspect's scene) and how good it is.
 
@@ -106,7 +106,7 @@ def _clear(found: list[Registered]) -> bool:
 
 
 def _to_scene(frame: Frame) -> Similarity:
-    return Similarity(frame.scale, frame.axes, frame.centre)
+    return Similarity(scale=frame.scale, rotation=frame.axes, shift=frame.centre)
 
 
 def _guesses(home: Frame, frame: Frame) -> Iterator[Similarity]:
@@ -144,7 +144,9 @@ def _settled(landmarks: Landmarks, suspect: Surface, pose: Similarity) -> Regist
     share, explained = _judged(landmarks, suspect, fit.pose)
     rms = float(np.sqrt(fit.weights @ fit.heights**2 / fit.weights.sum()))
     quality = _quality(share, explained) / (1.0 + (rms / COMMON_RMS) ** 2)
-    return Registered(fit.pose, quality, share, explained, rms, fit.doubt)
+    return Registered(
+        pose=fit.pose, quality=quality, share=share, explained=explained, rms=rms, doubt=fit.doubt
+    )
 
 
 def _ranked(

@@ -21,7 +21,7 @@ SIDES = 6
 TOLERANCE = 1e-4
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Surfels:
     """n pieces of surface: places (n, 3), unit normals (n, 3), areas (n,)."""
 
@@ -39,7 +39,7 @@ class Surfels:
 
     def take(self, rows: IntArray) -> Surfels:
         """Return some of the pieces."""
-        return Surfels(self.places[rows], self.normals[rows], self.areas[rows])
+        return Surfels(places=self.places[rows], normals=self.normals[rows], areas=self.areas[rows])
 
 
 def low_passed(points: FloatArray, faces: IntArray, sigma: float) -> FloatArray:
@@ -67,7 +67,7 @@ def make_surfels(points: FloatArray, faces: IntArray, size: float) -> Surfels:
     normal = _sums(group, vectors, count)
     length = np.sqrt(np.einsum("ij,ij->i", normal, normal))
     kept = length > 1e-3 * total  # where a piece is folded onto itself it has no side
-    return Surfels(middle[kept], normal[kept] / length[kept, None], length[kept])
+    return Surfels(places=middle[kept], normals=normal[kept] / length[kept, None], areas=length[kept])
 
 
 def _groups(places: FloatArray, vectors: FloatArray, size: float) -> IntArray:

@@ -16,7 +16,7 @@ __all__ = ["Seen", "look"]
 REACH = 2.5
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Seen:
     """Per window (n): mean height over the tangent plane, its mean place (n, 3), which way the surface faces.
 
@@ -52,4 +52,10 @@ def look(surfels: Surfels, places: FloatArray, normals: FloatArray, width: float
     turned[some] /= length[some, None]
     turned[~some] = normals[~some]
     heights = np.einsum("ij,ij->i", middle, normals)
-    return Seen(heights, places + middle, turned, total / (2.0 * np.pi * width**2), length)
+    return Seen(
+        heights=heights,
+        middles=places + middle,
+        facing=turned,
+        masses=total / (2.0 * np.pi * width**2),
+        flatness=length,
+    )

@@ -22,7 +22,7 @@ WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "M
 _MOST_ZEROS = 4_000_000
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Sparse:
     """These `rows` of an accessor lie densely at address `values`; the row numbers lie at `indices`."""
 
@@ -32,7 +32,7 @@ class Sparse:
     index_bytes: int
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Accessor:
     """`count` rows of `width` components.
 
@@ -109,7 +109,16 @@ def open_accessor(container: Container, index: int) -> Accessor:
     sparse = None
     if "sparse" in item:
         sparse = _sparse(container, item["sparse"], where, count, width * dtype.itemsize)
-    return Accessor(index, count, width, dtype, item.get("normalized") is True, start, stride, sparse)
+    return Accessor(
+        index=index,
+        count=count,
+        width=width,
+        dtype=dtype,
+        normalized=item.get("normalized") is True,
+        start=start,
+        stride=stride,
+        sparse=sparse,
+    )
 
 
 def component(item: Json, where: str) -> np.dtype[Any]:
@@ -159,4 +168,4 @@ def _sparse(container: Container, item: Any, where: str, count: int, row_bytes: 
     rows = np.frombuffer(container.blob, dtype, number, starts[0]).astype(np.int64)
     if rows[-1] >= count or (np.diff(rows) <= 0).any():
         raise FormatError(f"{where}: its indices do not rise strictly below {count}")
-    return Sparse(rows, starts[1], starts[0], dtype.itemsize)
+    return Sparse(rows=rows, values=starts[1], indices=starts[0], index_bytes=dtype.itemsize)

@@ -27,7 +27,10 @@ def gltf_attributes(container: Container, scene: Scene) -> Attributes:
     texcoords = _gather(container, scene, "TEXCOORD_0", (2,), lambda values, _: values * [1, -1] + [0, 1])
     colors = _gather(container, scene, "COLOR_0", (3, 4), _colors)
     return Attributes(
-        normals, texcoords, None if colors is None else colors.astype(np.uint8), _other(container, scene)
+        normals=normals,
+        texcoords=texcoords,
+        colors=None if colors is None else colors.astype(np.uint8),
+        other=_other(container, scene),
     )
 
 

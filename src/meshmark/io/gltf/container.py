@@ -34,7 +34,7 @@ _SCHEME = re.compile(r"[A-Za-z][A-Za-z0-9+.-]*:")
 _MOST_BYTES = 2**32
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Segment:
     """The bytes of one buffer in the blob, from `start`, `size` of them.
 
@@ -50,7 +50,7 @@ class Segment:
     buffers: tuple[int, ...]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Container:
     """A glTF file taken apart.
 
@@ -131,7 +131,17 @@ def _open(
     segments, pieces = _load_buffers(tables["buffers"], path, data, chunk)
     blob = pieces[0] if len(pieces) == 1 else np.concatenate([np.empty(0, np.uint8), *pieces])
     blob.flags.writeable = False
-    return Container(format_, data, path, json_span, chunk, tree, tables, segments, blob)
+    return Container(
+        format=format_,
+        raw=data,
+        path=path,
+        json_span=json_span,
+        chunk_span=chunk,
+        tree=tree,
+        tables=tables,
+        segments=segments,
+        blob=blob,
+    )
 
 
 def _load_buffers(
@@ -158,7 +168,15 @@ def _load_buffers(
     segments, pieces, start = [], [], 0
     for (kind, name), content in contents.items():
         indices = tuple(users[kind, name])
-        segments.append(Segment(kind, name if kind == "file" else "", start, len(content), indices))
+        segments.append(
+            Segment(
+                kind=kind,
+                name=name if kind == "file" else "",
+                start=start,
+                size=len(content),
+                buffers=indices,
+            )
+        )
         # Each buffer starts at a multiple of 4, so that alignment in the blob is alignment in the buffer.
         pieces += [content, np.zeros(-len(content) % 4, np.uint8)]
         start += len(content) + -len(content) % 4

@@ -26,7 +26,7 @@ _VERTEX_BUFFER, _INDEX_BUFFER = 34962, 34963
 _FAR = 4.0
 
 
-@dataclass
+@dataclass(kw_only=True)
 class _Writer:
     """Collects arrays into one buffer, each with its bufferView and accessor."""
 

@@ -27,7 +27,7 @@ _CODES = {np.dtype(name): code for code, name in COMPONENTS.items()}
 Arrays = Mapping[str, NDArray[Any]]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Draco:
     """A compressed primitive: the bufferView of its stream, the stream's id of each attribute by name.
 
@@ -59,7 +59,16 @@ def draco_primitives(container: Container) -> list[Draco]:
                 raise FormatError(f"{where}: 'attributes' is not an object")
             attributes = {name: integer(ids, name, where) for name in ids if name in item["attributes"]}
             claimed = _claimed(container, item, attributes, where)
-            found.append(Draco(where, mesh, number, view, attributes, claimed))
+            found.append(
+                Draco(
+                    where=where,
+                    mesh=mesh,
+                    primitive=number,
+                    view=view,
+                    attributes=attributes,
+                    claimed=claimed,
+                )
+            )
     return found
 
 

@@ -60,7 +60,7 @@ def decode_vertices(data: bytes, count: int, stride: int) -> Bytes:
     return rows
 
 
-@dataclass(eq=False)
+@dataclass(eq=False, kw_only=True)
 class _Groups:
     """Where the groups of each width lie: for 1, 2, 4 and 8 bits the places in the stream and the numbers.
 

@@ -30,7 +30,7 @@ from meshmark.mesh import FloatArray, IntArray
 __all__ = ["GltfDocument", "parse_glb", "parse_gltf"]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class GltfDocument:
     """A glTF file; the `Document` protocol says what its methods promise.
 
@@ -126,4 +126,12 @@ def _parse(read: Container) -> GltfDocument:
     vertices.flags.writeable = False
     scene.faces.flags.writeable = False
     compressed = None if container is read else read
-    return GltfDocument(container, scene, points, placements, vertices, scene.faces, compressed)
+    return GltfDocument(
+        container=container,
+        scene=scene,
+        points=points,
+        placements=placements,
+        vertices=vertices,
+        faces=scene.faces,
+        compressed=compressed,
+    )

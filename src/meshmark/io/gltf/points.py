@@ -39,7 +39,7 @@ class Kind:
         return np.clip(np.rint(scaled), low, limits.max).astype(self.dtype)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Points:
     """All slots. address (s,), -1 where a position has no bytes; values (s, 3); groups of equal kind."""
 
@@ -119,4 +119,4 @@ def open_points(blob: Bytes, accessors: Sequence[Accessor]) -> Points:
             raise FormatError(
                 f"accessor {item.index}, row {int(np.argmin(finite))} has a coordinate that is not finite"
             )
-    return Points(address, values, tuple(groups), slots)
+    return Points(address=address, values=values, groups=tuple(groups), slots=slots)

@@ -31,7 +31,7 @@ _CODES = {"i1": 5120, "u1": 5121, "i2": 5122, "u2": 5123, "u4": 5125, "f4": 5126
 _TYPES = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4"}
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class _Piece:
     """One primitive as one node shows it: its rows among all vertices start at `start`; faces: which of all."""
 
@@ -110,7 +110,9 @@ def _pieces(document: GltfDocument) -> list[_Piece]:
     for number, part in enumerate(document.scene.parts):
         for place, item in enumerate(document.scene.primitives[part.mesh]):
             if item.position == part.accessor:
-                pieces.append(_Piece(number, place, row, slice(face, face + len(item.faces))))
+                pieces.append(
+                    _Piece(part=number, number=place, start=row, faces=slice(face, face + len(item.faces)))
+                )
                 face += len(item.faces)
         row += document.scene.accessors[part.accessor].count
     return pieces

@@ -33,7 +33,7 @@ _MOST_ROWS, _MOST_FACES = 30_000_000, 60_000_000
 _AFFINE_WITHIN = 1e-3
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Primitive:
     """Triangles (m, 3) of one primitive, as rows of its POSITION accessor, and its attributes by name."""
 
@@ -42,7 +42,7 @@ class Primitive:
     attributes: dict[str, int]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Part:
     """One POSITION accessor of a mesh as one node shows it."""
 
@@ -51,7 +51,7 @@ class Part:
     affine: Affine
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Scene:
     """All parts in order, the triangles over them, and what was opened on the way."""
 
@@ -75,7 +75,7 @@ def open_scene(container: Container) -> Scene:
         for item in primitives[mesh]:
             if item.position not in starts:
                 starts[item.position] = rows
-                parts.append(Part(item.position, mesh, affine))
+                parts.append(Part(accessor=item.position, mesh=mesh, affine=affine))
                 rows += accessors[item.position].count
             total += len(item.faces)
             if rows > _MOST_ROWS or total > _MOST_FACES:
@@ -85,7 +85,7 @@ def open_scene(container: Container) -> Scene:
             faces.append(item.faces + starts[item.position])
     if not total:
         raise FormatError(f"{container.path.name} shows no triangles in any scene")
-    return Scene(tuple(parts), np.concatenate(faces), accessors, primitives)
+    return Scene(parts=tuple(parts), faces=np.concatenate(faces), accessors=accessors, primitives=primitives)
 
 
 def primitives_of(container: Container, mesh: int, accessors: dict[int, Accessor]) -> tuple[Primitive, ...]:
@@ -101,7 +101,11 @@ def primitives_of(container: Container, mesh: int, accessors: dict[int, Accessor
         if position not in accessors:
             accessors[position] = _open_positions(container, position)
         found.append(
-            Primitive(position, _faces(container, item, where, mode, accessors[position]), attributes)
+            Primitive(
+                position=position,
+                faces=_faces(container, item, where, mode, accessors[position]),
+                attributes=attributes,
+            )
         )
     return tuple(found)
 

@@ -30,7 +30,7 @@ _MEMORY, _SECONDS = 1 << 30, 30
 _MOST_GROWTH, _ALWAYS_ALLOWED = 100, 32 << 20
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Stream:
     """One stream: where it stands in the file, its bytes, its codec with parameters, the size it unpacks to."""
 

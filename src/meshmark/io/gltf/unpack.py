@@ -100,7 +100,7 @@ def _meshopt_stream(container: Container, number: int, record: Json) -> Stream:
     start, size = container.span(record, where)
     data = container.blob[start : start + size].tobytes()
     given = {"mode": mode, "count": count, "stride": stride, "filter": filter_}
-    return Stream(where, data, "meshopt", given, count * stride)
+    return Stream(where=where, data=data, codec="meshopt", parameters=given, unpacked=count * stride)
 
 
 def _draco_stream(container: Container, items: list[Draco], view: int) -> Stream:
@@ -109,4 +109,6 @@ def _draco_stream(container: Container, items: list[Draco], view: int) -> Stream
     start, size = container.view_span(view)
     claimed = max(item.claimed for item in users)
     data = container.blob[start : start + size].tobytes()
-    return Stream(users[0].where, data, "draco", {"attributes": ids}, claimed)
+    return Stream(
+        where=users[0].where, data=data, codec="draco", parameters={"attributes": ids}, unpacked=claimed
+    )

@@ -115,7 +115,9 @@ def with_one_buffer(container: Container, tree: Json, views: Views) -> Container
         text64 = base64.b64encode(blob.tobytes()).decode()
         tree["buffers"][0]["uri"] = f"data:application/octet-stream;base64,{text64}"
     blob.flags.writeable = False
-    segment = Segment(kind, files[0] if kind == "file" else "", 0, len(blob), (0,))
+    segment = Segment(
+        kind=kind, name=files[0] if kind == "file" else "", start=0, size=len(blob), buffers=(0,)
+    )
     plain = replace(container, tree=tree, tables=tables, segments=(segment,), blob=blob)
     _set_bounds(plain, set(views.contents))
     text = json.dumps(tree, separators=(",", ":")).encode()

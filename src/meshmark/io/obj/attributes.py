@@ -102,4 +102,10 @@ def _aligned(
     seams = None
     if len(distinct) != points:
         seams = (owner, place.reshape(-1)[triangles])
-    return Attributes(normals, texcoords, None if colors is None else colors[owner], other, seams)
+    return Attributes(
+        normals=normals,
+        texcoords=texcoords,
+        colors=None if colors is None else colors[owner],
+        other=other,
+        seams=seams,
+    )

@@ -29,7 +29,7 @@ _WHOLE = re.compile(r"[-+]?[0-9]{1,18}")
 _MAGIC = re.compile(r"(ST)?(C)?(N)?(4)?(n)?OFF(\d*)$")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class _Layout:
     """Where things stand in an OFF file: token indices."""
 
@@ -92,7 +92,16 @@ def _layout(tokens: Tokens) -> _Layout:
         raise FormatError(
             f"the header declares {counts[0]} vertices and {counts[1]} faces, but only {left} numbers follow"
         )
-    return _Layout(magic, counts[0], counts[1], first, per_vertex, normals, colors, texcoords)
+    return _Layout(
+        magic=magic,
+        vertices=counts[0],
+        faces=counts[1],
+        first_vertex=first,
+        per_vertex=per_vertex,
+        normals=normals,
+        colors=colors,
+        texcoords=texcoords,
+    )
 
 
 def _magic(tokens: Tokens) -> tuple[str, int]:

@@ -50,7 +50,7 @@ def ply_attributes(
     other += ["polygons"] * polygons
     if shades is not None and not np.isfinite(shades).all():
         colors, other = None, [*other, ODD_COLORS]
-    return Attributes(normals, texcoords, colors, tuple(other))
+    return Attributes(normals=normals, texcoords=texcoords, colors=colors, other=tuple(other))
 
 
 def _numbers(source: PlyData, vertex: Columns, names: tuple[str, ...]) -> FloatArray:

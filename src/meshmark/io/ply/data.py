@@ -71,7 +71,7 @@ def strided(
     return np.ndarray((len(places), members), dtype, buffer, int(places[0]), (stride, dtype.itemsize))
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class BinaryData:
     """Binary data; types carry the byte order."""
 
@@ -104,7 +104,7 @@ class BinaryData:
         return np.asarray(letters.view(dtype).reshape(-1, members))
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class TextData:
     """Data as text."""
 

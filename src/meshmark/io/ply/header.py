@@ -38,7 +38,7 @@ _LINE = re.compile(rb"([^\r\n]*)(\r\n|\n|\r)")
 _MAX_LINES = 10_000
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Property:
     """A property: `dtype` of its values, and of the count before them if it is a list."""
 
@@ -47,7 +47,7 @@ class Property:
     count: np.dtype[np.generic] | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Element:
     """An element: `rows` of the same properties."""
 
@@ -60,7 +60,7 @@ class Element:
         return next((entry for entry in self.properties if entry.name in names), None)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class PlyHeader:
     """A PLY header. order: byte order, "<" or ">"; "" for text. size: bytes up to the data."""
 
@@ -116,7 +116,13 @@ def _header(
     for name, _, properties in elements:
         if len({entry.name for entry in properties}) != len(properties):
             raise FormatError(f"the header declares a property of '{name[:40]}' twice")
-    return PlyHeader(order, tuple(Element(name, rows, tuple(all_)) for name, rows, all_ in elements), size)
+    return PlyHeader(
+        order=order,
+        elements=tuple(
+            Element(name=name, rows=rows, properties=tuple(all_)) for name, rows, all_ in elements
+        ),
+        size=size,
+    )
 
 
 def _order(words: list[str], number: int) -> str:
@@ -148,4 +154,4 @@ def _property(words: list[str], number: int, order: str) -> Property:
     dtypes = [np.dtype(order + _TYPES[name]) for name in types]
     if listed and dtypes[0].kind == "f":
         raise FormatError(f"line {number} counts a list in {types[0]}, expected a whole-number type")
-    return Property(words[-1], dtypes[-1], dtypes[0] if listed else None)
+    return Property(name=words[-1], dtype=dtypes[-1], count=dtypes[0] if listed else None)

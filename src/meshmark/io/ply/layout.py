@@ -15,7 +15,7 @@ from meshmark.mesh import IntArray
 __all__ = ["Columns", "lay_out"]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Columns:
     """Where an element's values stand.
 
@@ -86,7 +86,7 @@ def _uniform(element: Element, data: PlyData, begin: int) -> tuple[Columns, int]
         for entry in element.properties
         if entry.count is not None
     }
-    return Columns(element, places, sizes), end
+    return Columns(element=element, places=places, counts=sizes), end
 
 
 def _all_equal(data: PlyData, heads: IntArray, entry: Property, size: int) -> bool:
@@ -124,7 +124,7 @@ def _row_by_row(element: Element, data: PlyData, place: int, last: bool) -> tupl
             raise _too_short(element)
     arrays = {name: np.array(values, dtype=np.int64) for name, values in places.items()}
     sizes = {name: np.array(values, dtype=np.int64) for name, values in counts.items()}
-    return Columns(element, arrays, sizes), place
+    return Columns(element=element, places=arrays, counts=sizes), place
 
 
 def _list_length(entry: Property, data: PlyData, place: int) -> int:

@@ -45,8 +45,8 @@ def parse_ply(data: bytes, _path: Path) -> PatchDocument:
 
 def _source(data: bytes, header: PlyHeader) -> PlyData:
     if header.order:
-        return BinaryData(data, header.size, len(data))
-    return TextData(tokenise(data, header.size))
+        return BinaryData(data=data, begin=header.size, end=len(data))
+    return TextData(tokens=tokenise(data, header.size))
 
 
 def _positions(data: bytes, source: PlyData, vertex: Columns | None) -> BinaryPositions | TextPositions:

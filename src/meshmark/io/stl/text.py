@@ -30,7 +30,7 @@ _NORMAL, _CORNERS = np.array([2, 3, 4]), np.array([8, 9, 10, 12, 13, 14, 16, 17,
 _UNIT_BOX, _NORMAL_RESOLUTION = np.array([[-1.0, -1, -1], [1, 1, 1]]), 1e-6
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class _Positions:
     """Corner coordinates and facet normals, each in its own number style."""
 
@@ -76,7 +76,9 @@ def parse_text_stl(data: bytes) -> PatchDocument:
         if plain.any()
         else corners.style
     )
-    positions = _Positions(corners, normals.reshape(-1, 3), starts, ends, style)
+    positions = _Positions(
+        corners=corners, normals=normals.reshape(-1, 3), starts=starts, ends=ends, style=style
+    )
     faces = np.arange(3 * len(rows)).reshape(-1, 3)
     facts = {"encoding": "text", "solids": solids}
     return patch_document("stl", positions, faces, partial(_attributes, solids), facts, remarks=remarks)

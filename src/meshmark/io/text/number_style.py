@@ -22,7 +22,7 @@ _RESOLUTION = 1e-7
 _DOT = ord(".")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class NumberStyle:
     """The manner in which a file writes numbers.
 
@@ -73,7 +73,14 @@ def detect_style(text: ByteArray, starts: IntArray, ends: IntArray, values: Floa
     elif significant >= ALL_DIGITS - 1:
         kind = "shortest"
     upper = bool((text[powers] == ord("E")).any())
-    return NumberStyle(kind, max(significant, 1), most, least, bool(len(powers)), upper)
+    return NumberStyle(
+        kind=kind,
+        significant=max(significant, 1),
+        decimals=most,
+        least=least,
+        exponents=bool(len(powers)),
+        upper=upper,
+    )
 
 
 def _inside(starts: IntArray, ends: IntArray, places: IntArray) -> tuple[IntArray, IntArray]:

@@ -25,7 +25,7 @@ Edits = tuple[IntArray, IntArray, ByteArray, IntArray]
 _BATCH = 1 << 16
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class TextPositions:
     """Coordinates that stand as tokens in a text.
 
@@ -95,13 +95,25 @@ def text_positions(
     gaps, good = None, np.asarray(np.isfinite(values).reshape(-1, 3).all(axis=1))
     if not good.all():
         where = partial(_not_finite, text, begins, stops, ~np.isfinite(values))
-        gaps = Gaps(np.flatnonzero(good), len(good), where)
+        gaps = Gaps(kept=np.flatnonzero(good), total=len(good), say=where)
         if not good.any():
             raise FormatError(where(0))
         spans = np.repeat(good, 3)
         begins, stops, values = begins[spans], stops[spans], values[spans]
-    style = NumberStyle("whole", 1, 0, 0) if whole else detect_style(text, begins, stops, values)
-    return TextPositions(data, begins, stops, values.reshape(-1, 3)[:, np.argsort(order)], style, order, gaps)
+    style = (
+        NumberStyle(kind="whole", significant=1, decimals=0, least=0)
+        if whole
+        else detect_style(text, begins, stops, values)
+    )
+    return TextPositions(
+        data=data,
+        starts=begins,
+        ends=stops,
+        values=values.reshape(-1, 3)[:, np.argsort(order)],
+        style=style,
+        order=order,
+        gaps=gaps,
+    )
 
 
 def _not_finite(text: ByteArray, begins: IntArray, stops: IntArray, bad: NDArray[np.bool_], row: int) -> str:

@@ -33,7 +33,7 @@ _MILLIMETRES = {
 }
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class MeshText:
     """The mesh of an object.
 
@@ -46,7 +46,7 @@ class MeshText:
     faces: IntArray
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Use:
     """An object put somewhere, by a build item or as a component; path names another part, or is None."""
 
@@ -55,7 +55,7 @@ class Use:
     affine: Affine
 
 
-@dataclass
+@dataclass(kw_only=True)
 class ModelPart:
     """What a part says.
 
@@ -86,7 +86,7 @@ class _Reader:
 
     def __init__(self, name: str, content: bytes, quick: bool) -> None:
         text, encoding = as_utf8(content, name)
-        self.part = ModelPart(name, text, encoding)
+        self.part = ModelPart(name=name, text=text, encoding=encoding)
         self.left, self.lists, self.cuts = plain_lists(text) if quick else (text, {}, [])
         self.path: tuple[str, ...] = ()
         self.object_id = ""
@@ -162,7 +162,11 @@ class _Reader:
         # 3MF multiplies a row vector from the left: the rows of the file are the columns here.
         rows = np.array(numbers).reshape(4, 3)
         path = attributes.get(_PATH)
-        return Use(attributes.get("objectid", "").strip(), path, Affine(rows[:3].T.copy(), rows[3]))
+        return Use(
+            object_id=attributes.get("objectid", "").strip(),
+            path=path,
+            affine=Affine(rows[:3].T.copy(), rows[3]),
+        )
 
     def _take_plain(self, tag: str, offset: int) -> None:
         if (plain := self.lists.get(offset)) is not None:
@@ -189,7 +193,7 @@ class _Reader:
             raise FormatError(
                 f"{where}: triangle {row} has a vertex index out of range, expected 0 to {len(vertices) - 1}"
             )
-        return MeshText(vertices, starts, ends, corners.astype(np.int64))
+        return MeshText(vertices=vertices, starts=starts, ends=ends, faces=corners.astype(np.int64))
 
 
 def open_model(name: str, content: bytes, quick: bool = True) -> ModelPart:

@@ -40,7 +40,7 @@ _QUOTE, _LESS, _SLASH = 34, 60, 47
 _SIMPLE = re.compile(r"\s*" + _NUMBER.decode() + r"\s*")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class PlainList:
     """Rows of three numbers: starts and ends, (k, 3), are their spans in the part's text."""
 
@@ -86,7 +86,7 @@ def _parsed(letters: ByteArray, start: int, end: int) -> PlainList:
     starts, ends = marks[:, ::2] + 1, marks[:, 1::2]
     packed = compact(body, starts.ravel(), ends.ravel()).tobytes()
     values = np.fromstring(packed, np.float64, sep=" ") if packed else np.empty(0)
-    return PlainList(starts + start, ends + start, values.reshape(-1, 3))
+    return PlainList(starts=starts + start, ends=ends + start, values=values.reshape(-1, 3))
 
 
 def attribute_spans(text: bytes, tag: int, names: tuple[bytes, ...]) -> list[tuple[int, int]]:

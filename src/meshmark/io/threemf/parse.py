@@ -35,7 +35,7 @@ _MOST_USES, _MOST_ROWS, _MOST_FACES = 100_000, 30_000_000, 60_000_000
 Key = tuple[str, str]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class ThreeMfDocument:
     """A 3MF package; the `Document` protocol says what its methods promise.
 
@@ -176,7 +176,15 @@ def parse_3mf(data: bytes, path: Path) -> ThreeMfDocument:
     if not np.isfinite(vertices).all():
         raise FormatError(f"{path.name}: its transforms take positions beyond any range")
     vertices.flags.writeable = triangles.flags.writeable = False
-    return ThreeMfDocument(package, parts, points, first, tuple(placements), vertices, triangles)
+    return ThreeMfDocument(
+        package=package,
+        parts=parts,
+        stored=points,
+        first=first,
+        placements=tuple(placements),
+        vertices=vertices,
+        faces=triangles,
+    )
 
 
 def _showings(package: Package, parts: dict[str, ModelPart], main: str) -> list[tuple[Key, Affine]]:

@@ -31,7 +31,7 @@ PLANE_MASS = np.pi / 4.0  # integral of the window over a plane through its node
 POWER = 3
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Cells:
     """The cells that a surface touches, n of them.
 
@@ -51,7 +51,11 @@ class Cells:
     def take(self, index: IntArray) -> Cells:
         """Return the cells with these positions."""
         return Cells(
-            self.nodes[index], self.offset[index], self.normal[index], self.mass[index], self.flatness[index]
+            nodes=self.nodes[index],
+            offset=self.offset[index],
+            normal=self.normal[index],
+            mass=self.mass[index],
+            flatness=self.flatness[index],
         )
 
 
@@ -59,7 +63,11 @@ def measure_cells(samples: Samples) -> Cells:
     """Measure every cell touched by samples given in lattice coordinates, (q, 3)."""
     counted = (samples.areas > 0.0) & (np.abs(samples.positions) < REACH - 2).all(axis=1)
     if not counted.all():
-        samples = Samples(samples.positions[counted], samples.vectors[counted], samples.areas[counted])
+        samples = Samples(
+            positions=samples.positions[counted],
+            vectors=samples.vectors[counted],
+            areas=samples.areas[counted],
+        )
     around = surroundings(samples.positions)
     count = len(around.nodes)
     sums = np.zeros((5, count))
@@ -78,7 +86,13 @@ def measure_cells(samples: Samples) -> Cells:
     strength = np.sqrt(sums[0] ** 2 + sums[1] ** 2 + sums[2] ** 2)
     safe = np.where(strength > 0.0, strength, 1.0)
     offset, normal = sums[3] / safe, (sums[:3] / safe).T
-    return Cells(around.nodes[seen], offset, normal, strength / PLANE_MASS, strength / sums[4])
+    return Cells(
+        nodes=around.nodes[seen],
+        offset=offset,
+        normal=normal,
+        mass=strength / PLANE_MASS,
+        flatness=strength / sums[4],
+    )
 
 
 def cell_gradient(samples: Samples, cells: Cells) -> sp.csr_array:

@@ -73,7 +73,7 @@ def grown(
         (_grow(psi, gradient, expected, order, lock.correction) for lock in locks),
         key=lambda lock: lock.score,
     )
-    return Lock(best.correction, best.score, grid_size(response, RADIUS))
+    return Lock(correction=best.correction, score=best.score, tried=grid_size(response, RADIUS))
 
 
 def _grow(
@@ -100,4 +100,4 @@ def _grow(
         (lock,) = search.polished(search.rough(1))
         place = place + ways @ lock.correction
         if count == len(order):
-            return Lock(place, lock.score, lock.tried)
+            return Lock(correction=place, score=lock.score, tried=lock.tried)

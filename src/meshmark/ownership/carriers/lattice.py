@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from meshmark.coding.codec import LENGTH
 from meshmark.coding.keyed import cell_words, offset, rotation, unit_interval
 from meshmark.coding.keys import Key
 from meshmark.mesh import FloatArray, IntArray
@@ -28,7 +29,7 @@ class CellKeys:
     dither: FloatArray
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Lattice:
     """A cubic lattice in canonical space, turned and shifted by the key.
 
@@ -46,10 +47,10 @@ class Lattice:
         """The lattice of this spacing under `key`; each spacing has cells of its own."""
         purpose = f"lattice {spacing:.6f}"
         return cls(
-            spacing,
-            rotation(key.subkey("lattice turn")),
-            offset(key.subkey(purpose)),
-            key.subkey(purpose + " cells"),
+            spacing=spacing,
+            axes=rotation(key.subkey("lattice turn")),
+            shift=offset(key.subkey(purpose)),
+            _cells=key.subkey(purpose + " cells"),
         )
 
     def coordinates(self, points: FloatArray) -> FloatArray:
@@ -60,7 +61,7 @@ class Lattice:
         """Lattice coordinates (p, 3) -> canonical coordinates (p, 3)."""
         return (coordinates - self.shift) @ (self.axes * self.spacing)
 
-    def keys(self, nodes: IntArray, code_length: int) -> CellKeys:
+    def keys(self, nodes: IntArray) -> CellKeys:
         """What the key says of the cells at integer coordinates (n, 3)."""
         words = cell_words(self._cells, nodes, 2)
-        return CellKeys((words[:, 0] % np.uint64(code_length)).astype(np.int64), unit_interval(words[:, 1]))
+        return CellKeys((words[:, 0] % np.uint64(LENGTH)).astype(np.int64), unit_interval(words[:, 1]))

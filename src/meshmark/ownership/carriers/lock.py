@@ -38,7 +38,7 @@ FINER = 4.0
 SLACK = 1.3
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Lock:
     """A correction and how well it fits.
 
@@ -98,10 +98,10 @@ class LockSearch:
 
     def _lock(self, place: FloatArray) -> Lock:
         score = float(np.cos(self._psi + self._response @ place).sum())
-        return Lock(self._back @ place, score, self.tried)
+        return Lock(correction=self._back @ place, score=score, tried=self.tried)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class _Half:
     """Grid points in some of the directions, nearest first: places (q, d), distances (q,), waves (q, n)."""
 
@@ -110,7 +110,7 @@ class _Half:
     waves: NDArray[np.complex64]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class _Grid:
     """All sums of a point of one half and one of the other within the radius; `size` of them."""
 
@@ -151,7 +151,7 @@ def _plan(response: FloatArray, radius: float, most: int) -> _Grid:
     first = (np.arange(len(order)) + 1) // 2 % 2 == 0
     one, two = (_lay(response, spread, reach, order[side], radius) for side in (first, ~first))
     size = int(np.searchsorted(two.distances, _leg(radius, one.distances), side="right").sum())
-    return _Grid((one, two), radius, size)
+    return _Grid(halves=(one, two), radius=radius, size=size)
 
 
 def _lay(
@@ -175,7 +175,7 @@ def _lay(
         waves = waves[row] * np.exp(1j * np.outer(tick * d, response[:, i])).astype(np.complex64)[column]
     places = np.zeros((len(ticks), len(spread)))
     places[:, active] = ticks * spacing
-    return _Half(places, np.sqrt(squares), waves)
+    return _Half(places=places, distances=np.sqrt(squares), waves=waves)
 
 
 def _leg(radius: float, other: FloatArray) -> FloatArray:

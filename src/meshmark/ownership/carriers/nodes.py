@@ -33,7 +33,7 @@ def _nodes(numbers: IntArray) -> IntArray:
     return np.column_stack([i, j, k]) - REACH
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Surroundings:
     """The nodes around q points.
 
@@ -63,7 +63,9 @@ def surroundings(positions: FloatArray) -> Surroundings:
     cubes, cube = np.unique(_numbers(base), return_inverse=True)
     around = cubes[:, None] + _numbers(np.array(CORNERS)) - _numbers(np.zeros((1, 3), np.int64))
     numbers, place = np.unique(around, return_inverse=True)
-    return Surroundings(_nodes(numbers), place.reshape(around.shape), cube, positions - base)
+    return Surroundings(
+        nodes=_nodes(numbers), place=place.reshape(around.shape), cube=cube, fraction=positions - base
+    )
 
 
 def find_nodes(known: IntArray, wanted: IntArray) -> IntArray:

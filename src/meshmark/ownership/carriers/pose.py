@@ -16,7 +16,7 @@ __all__ = ["POSE_SIZE", "Pose", "pose_gradient"]
 POSE_SIZE = 7
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Pose:
     """The similarity X -> scale X turn + shift of canonical coordinates; turn (3, 3) is a rotation."""
 
@@ -27,13 +27,15 @@ class Pose:
     @classmethod
     def turned(cls, turn: FloatArray) -> Pose:
         """Only a turn."""
-        return cls(turn, 1.0, np.zeros(3))
+        return cls(turn=turn, scale=1.0, shift=np.zeros(3))
 
     def then(self, step: FloatArray) -> Pose:
         """This pose followed by a small one (7,): shift, logarithm of scale, rotation vector."""
         turn = _rotation(step[4:7]).T
         scale = float(np.exp(step[3]))
-        return Pose(self.turn @ turn, self.scale * scale, scale * self.shift @ turn + step[:3])
+        return Pose(
+            turn=self.turn @ turn, scale=self.scale * scale, shift=scale * self.shift @ turn + step[:3]
+        )
 
 
 def pose_gradient(cells: Cells, lattice: Lattice) -> FloatArray:

@@ -45,7 +45,7 @@ def measure_relief(points: FloatArray, faces: IntArray, cells: Cells) -> Relief:
     walk = random_walk(points, unique_edges(faces))
     first = walk @ points - points
     flux = np.stack([np.einsum("ij,ij->i", move, vectors) for move in (first, walk @ first - first)], axis=1)
-    gradient = cell_gradient(Samples(points, vectors, areas), cells)
+    gradient = cell_gradient(Samples(positions=points, vectors=vectors, areas=areas), cells)
     bending = np.asarray(gradient @ flux)
     weight = abs(gradient)
     height = np.divide(flux[:, 0], areas, out=np.zeros(len(areas)), where=areas > 0.0)

@@ -6,17 +6,16 @@ border: of all the frames that it may have given the model some hundred lie clos
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from itertools import islice
 
 import numpy as np
 
-from meshmark.coding.keys import Key
 from meshmark.geometry.completion import completed_frames
 from meshmark.geometry.frame import Frame
 from meshmark.geometry.sampling import Samples, gathered, plan_samples
-from meshmark.geometry.weld import Welded
-from meshmark.mesh import FloatArray, IntArray
+from meshmark.mesh import FloatArray
 from meshmark.ownership.carriers.grown_lock import MOST_FIRST, neighbourhoods
 from meshmark.ownership.carriers.lattice import Lattice
 from meshmark.ownership.carriers.pose import Pose, pose_gradient
@@ -34,60 +33,45 @@ from meshmark.ownership.parameters import (
     TYPICAL_STEP,
     preferred_spacings,
 )
-from meshmark.ownership.search.reading import Reading, read_cells
-from meshmark.ownership.search.relocking import grown_locks, relocked
+from meshmark.ownership.search.locked import grown_locks, relocked
+from meshmark.ownership.search.measurement import Measurement, Reading, read_cells
+from meshmark.ownership.search.search import Search
+from meshmark.ownership.search.shapes import Response
 
 __all__ = ["cropped_readings"]
 
 
-def cropped_readings(
-    surface: Welded,
-    points: FloatArray,
-    key: Key,
-    code_length: int,
-    tickets: Iterator[int],
-    wide: bool,
-    spacings: Sequence[float] | None = None,
-) -> Iterator[Reading]:
-    """Yield the readings whose lock is credible, likeliest frames first; none of a surface without a planar cut.
-
-    points: (p, 3) of the surface, as they are or restored; tickets: numbers of readings, which all share one bound.
-    """
-    frames = completed_frames(points, surface.faces, CROP_APART, CROP_FRAMES["wide" if wide else "quick"][0])
+def cropped_readings(search: Search) -> Iterator[Reading]:
+    """Yield the readings whose lock is credible, likeliest frames first; none of a surface without a planar cut."""
+    surface, counts = search.surface, CROP_FRAMES[search.effort]
+    frames = completed_frames(surface.points, surface.faces, CROP_APART, counts[0])
     if not frames:
         return
-    suspect = _Suspect(points, surface.faces, frames[0], key)
-    steps = LOCK_STEPS[:LARGE_STEPS]
-    for cluster, many in enumerate(CROP_FRAMES["wide" if wide else "quick"]):
+    suspect = _Suspect(search, frames[0])
+    for cluster, many in enumerate(counts):
         for frame in frames[:many]:
             pose = _pose(frames[0], frame)
-            for spacing in suspect.spacings(frame.area) if spacings is None else spacings:
-                samples, lattice = suspect.samples(spacing), suspect.lattice(spacing)
-                yield from _grown(samples, lattice, pose, steps, cluster, code_length, next(tickets))
+            known = search.spacings
+            for spacing in suspect.spacings(frame.area) if known is None else known:
+                place = _Place(samples=suspect.samples(spacing), lattice=search.lattice(spacing), pose=pose)
+                yield from _grown(place, cluster, search.trials.charge())
 
 
 class _Suspect:
     """What is kept of a suspect for each spacing, measured in one frame."""
 
-    def __init__(self, points: FloatArray, faces: IntArray, home: Frame, key: Key) -> None:
-        self._points, self._faces, self._key = home.to_canonical(points), faces, key
+    def __init__(self, search: Search, home: Frame) -> None:
+        self._points, self._search = home.to_canonical(search.surface.points), search
         self._samples: dict[float, Samples] = {}
-        self._lattices: dict[float, Lattice] = {}
         self._carriers: dict[float, int] = {}
 
     def samples(self, spacing: float) -> Samples:
         """Return samples of the surface."""
         if spacing not in self._samples:
             longest = LONGEST_SAMPLE * spacing
-            sampler = plan_samples(self._points, self._faces, longest)
+            sampler = plan_samples(self._points, self._search.surface.faces, longest)
             self._samples[spacing] = gathered(sampler(self._points), GATHER * longest)
         return self._samples[spacing]
-
-    def lattice(self, spacing: float) -> Lattice:
-        """Return the key's lattice."""
-        if spacing not in self._lattices:
-            self._lattices[spacing] = Lattice.keyed(self._key, spacing)
-        return self._lattices[spacing]
 
     def spacings(self, area: float) -> list[float]:
         """Return those that an embedding into a whole of this canonical area is likeliest to have used."""
@@ -95,7 +79,8 @@ class _Suspect:
 
     def _rich(self, spacing: float) -> bool:
         if spacing not in self._carriers:
-            cells = read_cells(self.samples(spacing), self.lattice(spacing), Pose.turned(np.eye(3)))
+            lattice = self._search.lattice(spacing)
+            cells = read_cells(self.samples(spacing), lattice, Pose.turned(np.eye(3)))
             self._carriers[spacing] = len(cells.nodes)
         return self._carriers[spacing] >= CROP_CARRIERS
 
@@ -103,42 +88,45 @@ class _Suspect:
 def _pose(home: Frame, frame: Frame) -> Pose:
     """Return what takes canonical coordinates of one frame to those of another."""
     shift = (home.centre - frame.centre) @ frame.axes / frame.scale
-    return Pose(home.axes.T @ frame.axes, home.scale / frame.scale, shift)
+    return Pose(turn=home.axes.T @ frame.axes, scale=home.scale / frame.scale, shift=shift)
 
 
-def _grown(
-    samples: Samples,
-    lattice: Lattice,
-    pose: Pose,
-    steps: Sequence[float],
-    cluster: int,
-    code_length: int,
-    number: int,
-) -> Iterator[Reading]:
+@dataclass(frozen=True, kw_only=True)
+class _Place:
+    """Canonical samples of the suspect, and the pose that puts them on a lattice."""
+
+    samples: Samples
+    lattice: Lattice
+    pose: Pose
+
+    def measured(self) -> Response:
+        """Measure the cells there."""
+        cells = read_cells(self.samples, self.lattice, self.pose)
+        return Response(Measurement.of(self.lattice, cells), pose_gradient(cells, self.lattice))
+
+    def then(self, correction: FloatArray) -> _Place:
+        """Return the place after a correction (7,)."""
+        return replace(self, pose=self.pose.then(correction))
+
+
+def _grown(place: _Place, cluster: int, charge: float) -> Iterator[Reading]:
     """Yield what locks from one cluster of cells on, the one that takes fewest corrections or one of the next."""
-    cells = read_cells(samples, lattice, pose)
-    if len(cells.nodes) < CARRIER_READABLE:
+    response = place.measured()
+    if len(response) < CARRIER_READABLE:
         return
-    keys = lattice.keys(cells.nodes, code_length)
-    gradient = pose_gradient(cells, lattice)
-    places = cells.nodes.astype(np.float64)
-    typical = 4.0 * np.pi / TYPICAL_STEP * gradient
+    places = response.measured.cells.nodes.astype(np.float64)
+    typical = 4.0 * np.pi / TYPICAL_STEP * response.gradient
     orders = neighbourhoods(typical * CROP_EXPECTED, places, cluster + 1)[cluster:]
-    for step, correction, tried in grown_locks(
-        cells, keys, gradient, CROP_EXPECTED, steps, orders, MOST_FIRST
-    ):
-        corrected = pose.then(correction)
-        yield _anew(samples, lattice, corrected, step, code_length, number * (number + 1) * tried)
+    locks = grown_locks(response, CROP_EXPECTED, LOCK_STEPS[:LARGE_STEPS], orders, MOST_FIRST)
+    for step, correction, tried in locks:
+        yield _anew(place.then(correction), step, charge * tried)
 
 
-def _anew(
-    samples: Samples, lattice: Lattice, pose: Pose, step: float, code_length: int, charge: float
-) -> Reading:
+def _anew(place: _Place, step: float, charge: float) -> Reading:
     """Return the best reading close to where a correction puts the model, measured there."""
     for _ in range(2):  # the response of the first is from where it was before
-        cells = read_cells(samples, lattice, pose)
-        keys = lattice.keys(cells.nodes, code_length)
-        phase, correction, tried = relocked(cells, keys, pose_gradient(cells, lattice), step)
+        response = place.measured()
+        phase, correction, tried = relocked(response.measured, response.gradient, step)
         charge *= tried
-        pose = pose.then(correction)
-    return Reading.of(lattice.spacing, step, cells, keys, phase, charge)
+        place = place.then(correction)
+    return Reading.of(response.measured, step, phase, charge)

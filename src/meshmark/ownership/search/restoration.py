@@ -8,7 +8,7 @@ Noise makes the surface rough, its area uneven, and so its frame wrong: rough sh
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Final
@@ -20,7 +20,7 @@ from meshmark.geometry.scale_space import random_walk, spectral_filters
 from meshmark.geometry.weld import Welded
 from meshmark.mesh import FloatArray
 
-__all__ = ["Restoration", "restorations", "stretched"]
+__all__ = ["Restoration", "Shape", "restorations", "stretched"]
 
 # Low-pass filters 1 - (1 - exp(-t x))^4: flat for coarse shape, nothing of the roughness left.
 LOW_PASS: Final = (2.0, 4.0)
@@ -43,36 +43,52 @@ STRAINS: Final = (
 
 
 @dataclass(frozen=True, eq=False)
+class Shape:
+    """Positions (p, 3) of a suspect's points as they may have been; equal to itself only."""
+
+    points: FloatArray
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Restoration:
     """One guess at the shape before an attack: `shapes[0]` and so far towards each of the others.
 
-    shapes: each (p, 3); middle, expected: for each shape after the first, the share of the way that is expected
+    middle, expected: for each shape after the first, the share of the way that is expected
     and its standard deviation.
     """
 
-    shapes: tuple[FloatArray, ...]
+    shapes: tuple[Shape, ...]
     middle: tuple[float, ...] = ()
     expected: tuple[float, ...] = ()
+
+    def between(self, shares: Iterable[float]) -> FloatArray:
+        """Return points (p, 3): the first shape, and from it these shares of the way to each of the others."""
+        first, *others = (shape.points for shape in self.shapes)
+        ways = zip(shares, others, strict=True)
+        return first + sum((share * (other - first) for share, other in ways), np.zeros_like(first))
 
 
 def stretched(points: FloatArray) -> Restoration:
     """Return what may have been before a stretch of up to about 2 %, whatever its axes."""
     centre = points.mean(axis=0)
     ends = [points + (points - centre) @ (STRETCH * strain) for strain in STRAINS]
-    return Restoration((points, *ends), (0.0,) * len(ends), (1.0,) * len(ends))
+    return Restoration(
+        shapes=(Shape(points), *map(Shape, ends)), middle=(0.0,) * len(ends), expected=(1.0,) * len(ends)
+    )
 
 
 def restorations(surface: Welded) -> Iterator[Restoration]:
     """Yield what may have been before noise or smoothing, likeliest first."""
-    yield Restoration((surface.points,))
+    yield Restoration(shapes=(Shape(surface.points),))
     walk = random_walk(surface.points, unique_edges(surface.faces))
     filters = [_low_pass(t) for t in LOW_PASS] + [_undone(t) for t in UNDONE[1:]]
     centre = surface.points.mean(axis=0)
-    smooth, smoother, *undone = centre + spectral_filters(walk, surface.points - centre, filters)
-    yield Restoration((smooth,))
+    filtered = centre + spectral_filters(walk, surface.points - centre, filters)
+    smooth, smoother, *undone = map(Shape, filtered)
+    yield Restoration(shapes=(smooth,))
     for before, after in pairwise((smooth, *undone)):
-        yield Restoration((before, after), (0.5,), (0.3,))
-    yield Restoration((smoother,))
+        yield Restoration(shapes=(before, after), middle=(0.5,), expected=(0.3,))
+    yield Restoration(shapes=(smoother,))
 
 
 def _low_pass(amount: float) -> Callable[[FloatArray], FloatArray]:

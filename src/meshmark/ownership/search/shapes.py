@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -14,73 +15,84 @@ from meshmark.ownership.carriers.cells import Cells
 from meshmark.ownership.carriers.lattice import Lattice
 from meshmark.ownership.carriers.nodes import find_nodes
 from meshmark.ownership.carriers.pose import POSE_SIZE, Pose, pose_gradient
-from meshmark.ownership.carriers.relief import Relief, measure_relief
+from meshmark.ownership.carriers.relief import measure_relief
 from meshmark.ownership.carriers.selection import select_cells
 from meshmark.ownership.parameters import EXTRACT_SELECTION, GATHER, LONGEST_SAMPLE
-from meshmark.ownership.search.reading import place
-from meshmark.ownership.search.restoration import Restoration
+from meshmark.ownership.search.measurement import Measurement, place, read_cells
+from meshmark.ownership.search.restoration import Restoration, Shape
 
-__all__ = ["Response", "Shapes"]
+__all__ = ["Hypothesis", "Response", "Shapes"]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Hypothesis:
+    """What a suspect may have been: a restoration of its shape, and how its frame is turned on a lattice."""
+
+    restoration: Restoration
+    lattice: Lattice
+    turned: Frame
 
 
 @dataclass(frozen=True, eq=False)
 class Response:
-    """Cells, and the change of their offsets (n, d), in spacings, per unit of each part of a correction."""
+    """A measurement, and the change of its offsets (n, d), in spacings, per unit of each part of a correction."""
 
-    cells: Cells
+    measured: Measurement
     gradient: FloatArray
-    relief: Relief
+
+    def __len__(self) -> int:
+        return len(self.measured)
 
 
 class Shapes:
-    """Shapes of one suspect; what was measured once is kept for the next.
+    """Measures the shapes that one suspect may have had; what was measured is kept as long as the shape.
 
     Each lies in the frame of its own, or all lie in a `fixed` one.
     """
 
     def __init__(self, surface: Welded, fixed: Frame | None = None) -> None:
         self._faces, self._fixed = surface.faces, fixed
-        self._frames: dict[int, tuple[FloatArray, Frame]] = {}
-        # With the points, so that their number stays theirs.
-        self._samples: dict[tuple[int, float], tuple[FloatArray, Samples]] = {}
+        self._frames: WeakKeyDictionary[Shape, Frame] = WeakKeyDictionary()
+        self._samples: WeakKeyDictionary[Shape, dict[float, Samples]] = WeakKeyDictionary()
+        self._cells: WeakKeyDictionary[Shape, dict[tuple[float, bytes], Cells]] = WeakKeyDictionary()
         self._samplers: dict[float, Sampler] = {}
-        self._cells: dict[tuple[int, float, bytes], Cells] = {}
 
-    def frame(self, points: FloatArray) -> Frame:
+    def frame(self, shape: Shape) -> Frame:
         """Return the frame of a shape."""
         if self._fixed is not None:
             return self._fixed
-        if id(points) not in self._frames:
-            self._frames[id(points)] = points, canonical_frame(points, self._faces)
-        return self._frames[id(points)][1]
+        if shape not in self._frames:
+            self._frames[shape] = canonical_frame(shape.points, self._faces)
+        return self._frames[shape]
 
-    def samples(self, points: FloatArray, spacing: float) -> Samples:
+    def samples(self, shape: Shape, spacing: float) -> Samples:
         """Return the canonical samples of a shape."""
-        name = id(points), spacing
-        if name not in self._samples:
-            canonical = self.frame(points).to_canonical(points)
+        known = self._samples.setdefault(shape, {})
+        if spacing not in known:
+            canonical = self.frame(shape).to_canonical(shape.points)
             longest = LONGEST_SAMPLE * spacing
             if spacing not in self._samplers:  # shapes of one suspect are alike: one plan does for all
                 self._samplers[spacing] = plan_samples(canonical, self._faces, longest)
-            samples = gathered(self._samplers[spacing](canonical), GATHER * longest)
-            self._samples[name] = points, samples
-        return self._samples[name][1]
+            known[spacing] = gathered(self._samplers[spacing](canonical), GATHER * longest)
+        return known[spacing]
 
-    def cells(self, points: FloatArray, lattice: Lattice, turned: Frame) -> Cells:
+    def cells(self, shape: Shape, lattice: Lattice, turned: Frame) -> Cells:
         """Return all cells of a shape, its frame turned as `turned` is."""
-        pose = self._pose(points, turned)
-        name = id(points), lattice.spacing, (np.round(pose.turn) + 0.0).tobytes()
-        if name not in self._cells:
-            self._cells[name] = place(self.samples(points, lattice.spacing), lattice, pose)
-        return self._cells[name]
+        pose = self._pose(shape, turned)
+        known = self._cells.setdefault(shape, {})
+        name = lattice.spacing, (np.round(pose.turn) + 0.0).tobytes()
+        if name not in known:
+            known[name] = place(self.samples(shape, lattice.spacing), lattice, pose)
+        return known[name]
 
-    def carriers(self, points: FloatArray, lattice: Lattice, turned: Frame) -> Cells:
+    def carriers(self, shape: Shape, lattice: Lattice, turned: Frame) -> Cells:
         """Return those cells of a shape that may carry."""
-        cells = self.cells(points, lattice, turned)
+        cells = self.cells(shape, lattice, turned)
         return cells.take(select_cells(cells, EXTRACT_SELECTION))
 
-    def response(self, restoration: Restoration, lattice: Lattice, turned: Frame) -> Response:
-        """Measure a restoration in the middle of what is expected."""
+    def response(self, hypothesis: Hypothesis) -> Response:
+        """Measure a hypothesis in the middle of what is expected."""
+        restoration, lattice, turned = hypothesis.restoration, hypothesis.lattice, hypothesis.turned
         first, *others = restoration.shapes
         start = self.carriers(first, lattice, turned)
         seen = np.ones(len(start.nodes), dtype=bool)
@@ -94,38 +106,36 @@ class Shapes:
         start = start.take(index)
         change = np.array(changes).reshape(len(others), len(seen))[:, index].T
         offset = start.offset + change @ np.array(restoration.middle)
-        cells = Cells(start.nodes, offset, start.normal, start.mass, start.flatness)
-        ways = zip(restoration.middle, others, strict=True)
-        points = first + sum((share * (other - first) for share, other in ways), np.zeros_like(first))
-        relief = self._relief(first, points, lattice, self._pose(first, turned), cells)
-        return Response(cells, np.hstack([pose_gradient(cells, lattice), change]), relief)
+        cells = Cells(
+            nodes=start.nodes, offset=offset, normal=start.normal, mass=start.mass, flatness=start.flatness
+        )
+        points = restoration.between(restoration.middle)
+        placed = self._placed(first, points, self._pose(first, turned))
+        relief = measure_relief(lattice.coordinates(placed), self._faces, cells)
+        gradient = np.hstack([pose_gradient(cells, lattice), change])
+        return Response(Measurement.of(lattice, cells, relief), gradient)
 
-    def corrected(
-        self, restoration: Restoration, lattice: Lattice, turned: Frame, correction: FloatArray
-    ) -> Response:
-        """Measure a restoration anew where a correction, of a pose and then of shares, puts it."""
-        first, *others = restoration.shapes
+    def corrected(self, hypothesis: Hypothesis, correction: FloatArray) -> Response:
+        """Measure a hypothesis anew where a correction, of a pose and then of shares, puts it."""
+        restoration, lattice = hypothesis.restoration, hypothesis.lattice
         shares = np.array(restoration.middle) + correction[POSE_SIZE:]
-        points = first + sum(share * (other - first) for share, other in zip(shares, others, strict=True))
-        pose = self._pose(points, turned).then(correction[:POSE_SIZE])
-        cells = place(self.samples(points, lattice.spacing), lattice, pose)
-        cells = cells.take(select_cells(cells, EXTRACT_SELECTION))
-        relief = self._relief(points, points, lattice, pose, cells)
-        return Response(cells, pose_gradient(cells, lattice), relief)
+        shape = Shape(restoration.between(shares))
+        pose = self._pose(shape, hypothesis.turned).then(correction[:POSE_SIZE])
+        cells = read_cells(self.samples(shape, lattice.spacing), lattice, pose)
+        placed = self._placed(shape, shape.points, pose)
+        relief = measure_relief(lattice.coordinates(placed), self._faces, cells)
+        return Response(Measurement.of(lattice, cells, relief), pose_gradient(cells, lattice))
 
-    def _relief(
-        self, framed: FloatArray, points: FloatArray, lattice: Lattice, pose: Pose, cells: Cells
-    ) -> Relief:
-        """Measure the relief of points in the frame of `framed`, brought to a pose."""
+    def _placed(self, framed: Shape, points: FloatArray, pose: Pose) -> FloatArray:
+        """Return points (p, 3) in the canonical frame of `framed`, brought to a pose."""
         canonical = self.frame(framed).to_canonical(points)
-        placed = pose.scale * canonical @ pose.turn + pose.shift
-        return measure_relief(lattice.coordinates(placed), self._faces, cells)
+        return pose.scale * canonical @ pose.turn + pose.shift
 
-    def _pose(self, points: FloatArray, turned: Frame) -> Pose:
+    def _pose(self, shape: Shape, turned: Frame) -> Pose:
         """Return the turn from a shape's own frame to that of its alternatives which is nearest to `turned`."""
         if self._fixed is not None:
             return Pose.turned(np.eye(3))
-        own = self.frame(points)
+        own = self.frame(shape)
         nearest = max(
             frame_alternatives(own, exchange=True), key=lambda other: float((other.axes * turned.axes).sum())
         )

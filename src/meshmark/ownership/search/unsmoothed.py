@@ -15,17 +15,15 @@ from typing import Final
 
 import numpy as np
 
-from meshmark.coding.keys import Key
 from meshmark.geometry.adjacency import unique_edges
 from meshmark.geometry.areas import face_areas
 from meshmark.geometry.frame import Frame, frame_alternatives
 from meshmark.geometry.sampling import plan_samples
 from meshmark.geometry.scale_space import random_walk, spectral_filters
 from meshmark.geometry.weld import Welded
-from meshmark.mesh import FloatArray, IntArray
-from meshmark.ownership.carriers.lattice import Lattice
+from meshmark.mesh import FloatArray
 from meshmark.ownership.carriers.pose import Pose
-from meshmark.ownership.carriers.quantisation import bit_phase, lock_score, log10_lock_chance
+from meshmark.ownership.carriers.quantisation import lock_score, log10_lock_chance
 from meshmark.ownership.parameters import (
     CARRIER_PLENTY,
     CARRIER_READABLE,
@@ -36,12 +34,13 @@ from meshmark.ownership.parameters import (
     SPACING_ORDER,
     SPACING_TRIES,
     SURELY_SKEW,
-    preferred_spacings,
 )
-from meshmark.ownership.search.reading import Reading, read_cells
+from meshmark.ownership.search.measurement import Measurement, Reading, read_cells
+from meshmark.ownership.search.restoration import Shape
+from meshmark.ownership.search.search import Search
 from meshmark.ownership.search.shapes import Shapes
 
-__all__ = ["unsmoothed_readings"]
+__all__ = ["is_coarse", "unsmoothed_readings"]
 
 # A mesh with more points is no coarse one: what `restoration.py` undoes is enough there.
 COARSE: Final = 12_000
@@ -62,7 +61,7 @@ TRIED: Final = sum(map(len, SMOOTHINGS.values())) * len(SPACING_ORDER) * len(LOC
 TURNS: Final = {False: LOCK_TURNS, True: 24}
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class _Guess:
     """A shape that the suspect may have had, in a frame, and how unlikely its lock is at this spacing and step."""
 
@@ -72,37 +71,29 @@ class _Guess:
     spacing: float
     step: float
 
-    def read(self, faces: IntArray, key: Key, code_length: int, hypotheses: float) -> Reading:
+    def read(self, search: Search, hypotheses: float) -> Reading:
         """Measure the shape anew, with all samples instead of gathered ones."""
-        lattice = Lattice.keyed(key, self.spacing)
+        lattice = search.lattice(self.spacing)
         canonical = self.frame.to_canonical(self.points)
-        samples = plan_samples(canonical, faces, LONGEST_SAMPLE * self.spacing)(canonical)
-        cells = read_cells(samples, lattice, Pose.turned(np.eye(3)))
-        keys = lattice.keys(cells.nodes, code_length)
-        phase = bit_phase(cells.offset, keys.dither, self.step)
-        return Reading.of(self.spacing, self.step, cells, keys, phase, hypotheses)
+        sampler = plan_samples(canonical, search.surface.faces, LONGEST_SAMPLE * self.spacing)
+        measured = Measurement.of(lattice, read_cells(sampler(canonical), lattice, Pose.turned(np.eye(3))))
+        return Reading.of(measured, self.step, measured.phase(self.step), hypotheses)
 
 
-def unsmoothed_readings(
-    surface: Welded,
-    key: Key,
-    code_length: int,
-    tickets: Iterator[int],
-    wide: bool = False,
-    spacings: Sequence[float] | None = None,
-) -> Iterator[Reading]:
-    """Yield each reading whose lock is credible, of all that may have been done; none of a mesh that is not coarse.
+def is_coarse(surface: Welded) -> bool:
+    """Return whether a mesh is so coarse that its mark may lie in frequencies which restorations filter off."""
+    return len(surface.points) <= COARSE
 
-    tickets: numbers of readings, which all share one bound.
-    """
-    if len(surface.points) > COARSE:
+
+def unsmoothed_readings(search: Search) -> Iterator[Reading]:
+    """Yield each reading whose lock is credible, of all that may have been done; none of a fine mesh."""
+    if not is_coarse(search.surface):
         return
-    shapes, tried = Shapes(surface), TRIED * TURNS[wide]
-    for points in _before(surface):
-        for guess in _guesses(shapes, points, key, code_length, wide, spacings):
+    shapes, tried = Shapes(search.surface), TRIED * TURNS[search.wide]
+    for points in _before(search.surface):
+        for guess in _guesses(search, shapes, points):
             if guess.log10_chance + np.log10(tried) < CREDIBLE_LOG10:
-                number = next(tickets)
-                yield guess.read(surface.faces, key, code_length, float(number * (number + 1) * tried))
+                yield guess.read(search, search.trials.charge() * tried)
 
 
 def _before(surface: Welded) -> Iterator[FloatArray]:
@@ -127,31 +118,26 @@ def _inverse(shares: Sequence[float], passes: int) -> Callable[[FloatArray], Flo
     return lambda x: left(x) / (left(x) ** 2 + least**2)
 
 
-def _guesses(
-    shapes: Shapes,
-    points: FloatArray,
-    key: Key,
-    code_length: int,
-    wide: bool,
-    spacings: Sequence[float] | None,
-) -> Iterator[_Guess]:
+def _guesses(search: Search, shapes: Shapes, points: FloatArray) -> Iterator[_Guess]:
     """Yield the best step of a shape for each spacing and turn that an embedding may have used."""
-    frame = shapes.frame(points)
-    turns = list(frame_alternatives(frame, wide, SURELY_SKEW))
+    shape = Shape(points)
+    frame = shapes.frame(shape)
+    turns = list(frame_alternatives(frame, search.wide, SURELY_SKEW))
     rich = 0
-    for spacing in preferred_spacings(frame.area) if spacings is None else spacings:
-        lattice = Lattice.keyed(key, spacing)
+    for spacing in search.spacings_for(frame.area):
+        lattice = search.lattice(spacing)
         count = 0
-        for turned in islice(turns, TURNS[wide]):
-            cells = shapes.carriers(points, lattice, turned)
-            count = len(cells.nodes)
+        for turned in islice(turns, TURNS[search.wide]):
+            measured = Measurement.of(lattice, shapes.carriers(shape, lattice, turned))
+            count = len(measured)
             if count < CARRIER_READABLE:
                 break
-            dither = lattice.keys(cells.nodes, code_length).dither
-            scores = lock_score(bit_phase(cells.offset, dither, np.array(LOCK_STEPS)[:, None]))
+            scores = lock_score(measured.phase(np.array(LOCK_STEPS)[:, None]))
             best = int(scores.argmax())
             chance = log10_lock_chance(float(scores[best]), count)
-            yield _Guess(chance, points, turned, spacing, LOCK_STEPS[best])
+            yield _Guess(
+                log10_chance=chance, points=points, frame=turned, spacing=spacing, step=LOCK_STEPS[best]
+            )
         rich += count >= CARRIER_PLENTY
         if rich == SPACING_TRIES:
             return

@@ -76,7 +76,7 @@ SEGMENTATION: dict[str, Callable[[FloatArray, IntArray, IntArray], Regions]] = {
 EMBEDDINGS = {"barycentre": "ncdg_lv", "lsb": "lsb"}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Modules:
     """One choice for each module, by the names of the tables above."""
 
@@ -107,7 +107,7 @@ class Modules:
 FULL = Modules()
 # The rows of the paper's ablation table, as near as they can be made here.
 PAPER = (
-    Modules("random", "k_means"),
+    Modules(saliency="random", segmentation="k_means"),
     Modules(segmentation="fuzzy_c_means", embedding="lsb"),
     Modules(embedding="lsb"),
     FULL,

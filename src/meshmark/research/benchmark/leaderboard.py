@@ -41,7 +41,7 @@ def leaderboard(rows: Sequence[Row], command: str = "") -> str:
         by_attack, behind = _attacks(part)
         words = (_told(behind, len(by_attack.rows)),) if behind is not None else ()
         title = f"Strength {budget}"
-        sections.append(Section(budget, title, words, (_schemes(part), by_attack)))
+        sections.append(Section(name=budget, title=title, words=words, parts=(_schemes(part), by_attack)))
     return markdown("Leaderboard", sections, command, "")
 
 
@@ -83,7 +83,7 @@ def _summary(rows: Sequence[Row], split: str) -> Section:
         "their source leaves something open; the source of each says what. How to add yours: "
         "docs/your-scheme.md.",
     )
-    return Section("summary", "What is compared", words)
+    return Section(name="summary", title="What is compared", words=words)
 
 
 def _schemes(rows: Sequence[Row]) -> Table:
@@ -103,15 +103,15 @@ def _schemes(rows: Sequence[Row]) -> Table:
         mine = [item for item in found if item.scheme == name]
         rms, time = changes.get(name), times.get(name)
         cells = (
-            Cell(name, _kind(name)),
-            Cell(percent(exact), heat=exact),
-            Cell(percent(errors)),
-            Cell(percent(clean[0].recovered.value) if clean else NOTHING),
-            Cell(f"{max(item.refused for item in own)} of {max(item.models for item in own)}"),
-            Cell(f"{sum(a.found for a in mine)} of {sum(a.trials for a in mine)}"),
-            Cell(f"{100 * rms.mean:.3g} %" if rms else NOTHING),
-            Cell(number(time.embed if time else None)),
-            Cell(number(time.extract if time else None)),
+            Cell(text=name, small=_kind(name)),
+            Cell(text=percent(exact), heat=exact),
+            Cell(text=percent(errors)),
+            Cell(text=percent(clean[0].recovered.value) if clean else NOTHING),
+            Cell(text=f"{max(item.refused for item in own)} of {max(item.models for item in own)}"),
+            Cell(text=f"{sum(a.found for a in mine)} of {sum(a.trials for a in mine)}"),
+            Cell(text=f"{100 * rms.mean:.3g} %" if rms else NOTHING),
+            Cell(text=number(time.embed if time else None)),
+            Cell(text=number(time.extract if time else None)),
         )
         lines.append((-(exact or 0.0), errors if errors is not None else 1.0, cells))
     columns = (
@@ -120,26 +120,35 @@ def _schemes(rows: Sequence[Row]) -> Table:
     )
     note = "Mean over attacks, each alike; ordered by exact ids. Times are medians."
     return Table(
-        "Schemes", columns, tuple(cells for *_, cells in sorted(lines, key=lambda line: line[:2])), note
+        title="Schemes",
+        columns=columns,
+        rows=tuple(cells for *_, cells in sorted(lines, key=lambda line: line[:2])),
+        note=note,
     )
 
 
 def _attacks(rows: Sequence[Row]) -> tuple[Table, list[tuple[str, bool]] | None]:
     """Return the table of attacks, and those in which NCDG-LV is behind; None where it was not measured."""
     measured = Measured(rows, {})
-    everything = Group(ALL, frozenset(row.case.model for row in measured.rows))
+    everything = Group(label=ALL, models=frozenset(row.case.model for row in measured.rows))
     at = {(f.scheme, f.attack): f for f in robustness(rows) if (f.split, f.size_class) == (ALL, ALL)}
     own = OWN in measured.schemes and len(measured.schemes) > 1
     lines, behind = [], []
     for attack in ordered({attack for _, attack in at}):
-        cells = [Cell(label(attack))]
+        cells = [Cell(text=label(attack))]
         for name in measured.schemes:
             figure = at.get((name, attack))
             if figure is None:
-                cells.append(Cell(NOTHING))
+                cells.append(Cell(text=NOTHING))
                 continue
             errors = NOTHING if figure.ber is None else percent(figure.ber.value)
-            cells.append(Cell(percent(figure.recovered.value, 0), f"{errors} bits", figure.recovered.value))
+            cells.append(
+                Cell(
+                    text=percent(figure.recovered.value, 0),
+                    small=f"{errors} bits",
+                    heat=figure.recovered.value,
+                )
+            )
         if own:
             values = {
                 name: measured.values(name, (attack,), lambda row: row.ber) for name in measured.schemes
@@ -149,14 +158,14 @@ def _attacks(rows: Sequence[Row]) -> tuple[Table, list[tuple[str, bool]] | None]
             )
             said = standing(values, everything, "%", lost)
             behind += [(label(attack), said.clearly)] if said.behind else []
-            cells.append(Cell(said.words))
+            cells.append(Cell(text=said.words))
         lines.append(tuple(cells))
     columns = ("attack", *measured.schemes, *(("NCDG-LV, blind",) if own else ()))
     note = (
         "Share of models with an exact id, and bit errors. The last column compares bit errors on the "
         "models that both could mark."
     )
-    return Table("Attacks", columns, tuple(lines), note), behind if own else None
+    return Table(title="Attacks", columns=columns, rows=tuple(lines), note=note), behind if own else None
 
 
 def _told(behind: Sequence[tuple[str, bool]], count: int) -> str:

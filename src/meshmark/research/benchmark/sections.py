@@ -44,10 +44,10 @@ def sections(
         overview(rows, facts, pictures=bool(plots)),
         paper_section(rows, facts, probes or {}, pictures=bool(plots)),
         Section(
-            "attacks",
-            "What survives which attack",
-            _READING,
-            (
+            name="attacks",
+            title="What survives which attack",
+            words=_READING,
+            parts=(
                 *(table for table in compared if not table.folded),
                 *plots.get("attacks", ()),
                 *attack_tables(figures, split),
@@ -59,23 +59,31 @@ def sections(
             else (),
         ),
         Section(
-            "alarms",
-            "False alarms",
-            _ALARMS,
-            (*plots.get("alarms", ()), alarm_table(found)) if found else (),
+            name="alarms",
+            title="False alarms",
+            words=_ALARMS,
+            parts=(*plots.get("alarms", ()), alarm_table(found)) if found else (),
         ),
         Section(
-            "distortion",
-            "What the marks change",
-            _DISTORTION,
-            (*plots.get("distortion", ()), distortion_table(changes)) if changes else (),
+            name="distortion",
+            title="What the marks change",
+            words=_DISTORTION,
+            parts=(*plots.get("distortion", ()), distortion_table(changes)) if changes else (),
         ),
         Section(
-            "speed", "Time and memory", (), (*plots.get("speed", ()), speed_table(times)) if times else ()
+            name="speed",
+            title="Time and memory",
+            words=(),
+            parts=(*plots.get("speed", ()), speed_table(times)) if times else (),
         ),
-        Section("trouble", "Refused and failed", _TROUBLE, (trouble,) if trouble.rows else ()),
+        Section(
+            name="trouble",
+            title="Refused and failed",
+            words=_TROUBLE,
+            parts=(trouble,) if trouble.rows else (),
+        ),
         glossary(rows, facts),
-        Section("facts", "How to make this again", (), (_facts_table(facts),)),
+        Section(name="facts", title="How to make this again", words=(), parts=(_facts_table(facts),)),
     ]
     return [part for part in parts if part.parts or part.name == "summary"]
 
@@ -100,7 +108,9 @@ _TROUBLE = (
 
 def _renamed(table: Table, split: str) -> Table:
     words = "train split" if split == "train" else "both splits"
-    return Table(f"{table.title} ({words})", table.columns, table.rows, table.note, folded=True)
+    return Table(
+        title=f"{table.title} ({words})", columns=table.columns, rows=table.rows, note=table.note, folded=True
+    )
 
 
 def _facts_table(facts: Facts) -> Table:
@@ -111,8 +121,8 @@ def _facts_table(facts: Facts) -> Table:
         text = ", ".join(f"{k} {v}" for k, v in value.items()) if isinstance(value, dict) else str(value)
         if name == "seconds":
             text = _duration(float(value))
-        rows.append((Cell(_FACTS.get(name, name.replace("_", " "))), Cell(text)))
-    return Table("Run", ("what", "value"), tuple(rows))
+        rows.append((Cell(text=_FACTS.get(name, name.replace("_", " "))), Cell(text=text)))
+    return Table(title="Run", columns=("what", "value"), rows=tuple(rows))
 
 
 _FACTS = {

@@ -69,7 +69,17 @@ def bench(
     names = None if schemes is None else tuple(name.strip() for name in schemes.split(",") if name.strip())
     if names == ():
         raise InputError("--schemes names no scheme, expected at least one")
-    plan = Plan(suite, data, out, names, limit, seed, workers, time_limit, hours)
+    plan = Plan(
+        suite=suite,
+        data=data,
+        out=out,
+        schemes=names,
+        limit=limit,
+        seed=seed,
+        workers=workers,
+        time_limit=time_limit,
+        hours=hours,
+    )
     if not force:
         refuse_folder(out)
     try:

@@ -9,9 +9,11 @@ from meshmark.coding.codec import Codec
 from meshmark.coding.keys import Key
 from meshmark.coding.message import ID_BITS
 from meshmark.errors import InputError
+from meshmark.geometry.weld import weld
 from meshmark.mesh import Mesh
 from meshmark.ownership.embedding import embed
 from meshmark.ownership.extraction import find
+from meshmark.ownership.search.search import Search
 from meshmark.research.schemes.scheme import Bits, Readout
 from meshmark.threads import on_one_thread
 
@@ -33,12 +35,19 @@ class NcdgLv:
     @on_one_thread
     def extract(self, mesh: Mesh, key: Key, *, reference: Mesh | Certificate | None = None) -> Readout:
         """See `Scheme.extract`; blind, the reference is not looked at."""
-        found = find(mesh, key, reference=None if self.blind else reference)
+        found = find(Search(surface=weld(mesh), key=key, reference=None if self.blind else reference))
         if found.reading is None:
-            return Readout(_to_bits(0), False, 0.0, np.zeros(Codec(key).n))
-        observed = found.reading.observed(Codec(key).n)
+            return Readout(
+                bits=_to_bits(0), present=False, log10_false_positive=0.0, raw=np.zeros(Codec(key).n)
+            )
+        observed = found.reading.observed()
         decoded = found.decoded or Codec(key).decode(observed)
-        return Readout(_to_bits(decoded.guess), found.present, found.log10_false_positive, observed)
+        return Readout(
+            bits=_to_bits(decoded.guess),
+            present=found.present,
+            log10_false_positive=found.log10_false_positive,
+            raw=observed,
+        )
 
     def code(self, bits: Bits, key: Key) -> Bits:
         """Return the code bits (4096,) that stand for a payload (64,)."""
@@ -61,7 +70,7 @@ class NcdgLvCertificate(NcdgLvOriginal):
     @on_one_thread
     def kept(self, marked: Mesh, key: Key) -> Certificate:
         """Return the certificate of a marked model, its lattice being the one it is read with."""
-        reading = find(marked, key, locking=False).reading
+        reading = find(Search(surface=weld(marked), key=key, effort="plain")).reading
         if reading is None:
             raise InputError("the marked model has too few carriers to certify")
         return certify(marked, reading.spacing, reading.step, "standard")

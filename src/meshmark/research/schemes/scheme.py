@@ -22,7 +22,7 @@ __all__ = ["Bits", "Readout", "Scheme"]
 Bits = NDArray[np.uint8]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Readout:
     """What a scheme reads from a mesh.
 

@@ -31,8 +31,9 @@ from meshmark.ownership.embedding import embed
 from meshmark.ownership.extraction import find
 from meshmark.ownership.parameters import CARRIER_READABLE, LONGEST_SAMPLE
 from meshmark.ownership.phase_correction import settled, settled_phase
-from meshmark.ownership.search.reading import read_cells
+from meshmark.ownership.search.measurement import read_cells
 from meshmark.ownership.search.restoration import Restoration, restorations
+from meshmark.ownership.search.search import Search
 
 __all__ = ["ATTACKED", "LOST", "Marked", "Trial", "mark", "trials"]
 
@@ -59,7 +60,7 @@ HALF: Final = 0.5
 LOST: Final = 0.36
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Marked:
     """A marked model and all that its marker knows."""
 
@@ -73,14 +74,14 @@ class Marked:
 
     def keys(self, cells: Cells) -> CellKeys:
         """Return what the key says of these cells."""
-        return self.lattice.keys(cells.nodes, self.codec.n)
+        return self.lattice.keys(cells.nodes)
 
     def phase(self, cells: Cells) -> FloatArray:
         """Return the phases (n,) of these cells."""
         return bit_phase(cells.offset, self.keys(cells).dither, self.step)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Trial:
     """One reading (see `Reading`) after an attack, and the truth: targets (n,) +1 for bit 0, -1 for bit 1."""
 
@@ -101,14 +102,22 @@ def mark(mesh: Mesh, rng: np.random.Generator, strength: str = "standard") -> Ma
         marked = embed(mesh, key, id=identity, strength=strength).mesh
     except CapacityError:
         return None
-    reading = find(marked, key).reading
     surface = weld(marked)
+    reading = find(Search(surface=surface, key=key)).reading
     if reading is None:
         return None
     frame = canonical_frame(surface.points, surface.faces)
     codec = Codec(key)
     lattice = Lattice.keyed(key, reading.spacing)
-    return Marked(marked, frame, lattice, reading.step, codec, codec.encode(identity), identity)
+    return Marked(
+        mesh=marked,
+        frame=frame,
+        lattice=lattice,
+        step=reading.step,
+        codec=codec,
+        bits=codec.encode(identity),
+        identity=identity,
+    )
 
 
 def trials(
@@ -131,7 +140,7 @@ class _Shape:
 
     def __init__(self, surface: Welded, restoration: Restoration, off: FloatArray) -> None:
         self._faces = surface.faces
-        first, *others = restoration.shapes
+        first, *others = (shape.points for shape in restoration.shapes)
         self._first, self._ways = first, [other - first for other in others]
         self._expected = np.concatenate([POSE_EXPECTED, restoration.expected])
         self._shares = np.array(restoration.middle)
@@ -202,4 +211,13 @@ def _trial(marked: Marked, shape: _Shape, name: str, strength: float) -> Trial |
     targets = 1.0 - 2.0 * marked.bits[keys.code_index].astype(np.float64)
     if np.mean(np.cos(settled_phase(phase, cells, marked.step, relief)) * targets < 0.0) > LOST:
         return None
-    return Trial(name, strength, phase, cells, keys, marked.step, relief, targets)
+    return Trial(
+        attack=name,
+        strength=strength,
+        phase=phase,
+        cells=cells,
+        keys=keys,
+        step=marked.step,
+        relief=relief,
+        targets=targets,
+    )

@@ -26,7 +26,7 @@ SHARES: Final = (0.005, 0.02, 0.05, 0.2)
 """Of the points of the model."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class RegionTrial:
     """One edited model of n regions.
 
@@ -42,7 +42,7 @@ class RegionTrial:
     altered: NDArray[np.bool_]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Edited:
     """A marked and then edited model: what its marks say, and which of its points (p,) were altered in truth."""
 
@@ -61,7 +61,12 @@ def region_trials(mesh: Mesh, rng: np.random.Generator, edits: int) -> Iterator[
     for edited in edited_models(mesh, rng, edits):
         map_ = segment(edited.mesh)
         first = edited.found.surface.vertex_of_point
-        regions = Regions(map_.region[first], map_.green[first], map_.green_share, map_.blue_share)
+        regions = Regions(
+            region=map_.region[first],
+            green=map_.green[first],
+            green_share=map_.green_share,
+            blue_share=map_.blue_share,
+        )
         yield judged(edited, regions)
 
 
@@ -85,7 +90,9 @@ def _edited(edit: str, share: float, mesh: Mesh, truth: NDArray[np.bool_], key: 
     found = examine(mesh, key)
     used = np.zeros(len(found.surface.points), bool)
     used[found.surface.faces] = True
-    return Edited(edit, share, mesh, found, truth[found.surface.vertex_of_point] & used)
+    return Edited(
+        edit=edit, share=share, mesh=mesh, found=found, truth=truth[found.surface.vertex_of_point] & used
+    )
 
 
 def judged(edited: Edited, regions: Regions) -> RegionTrial:
@@ -95,5 +102,10 @@ def judged(edited: Edited, regions: Regions) -> RegionTrial:
     cell = 2 * regions.region + ~regions.green
     altered = np.bincount(cell[edited.truth], minlength=2 * len(evidence.home)).reshape(-1, 2) > 0
     return RegionTrial(
-        edited.edit, edited.share, evidence.features, evidence.log10_chance, evidence.home, altered
+        edit=edited.edit,
+        share=edited.share,
+        features=evidence.features,
+        log10_chance=evidence.log10_chance,
+        home=evidence.home,
+        altered=altered,
     )

@@ -43,7 +43,7 @@ _BROKEN = ("failed", "timeout", "killed")
 _EMPTY = ("unmarked", "wrong key", "forged")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Robustness:
     """How a scheme at a budget fares under an attack, over the models of a split and a size class.
 
@@ -70,7 +70,7 @@ class Robustness:
     correlation: float | None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Alarms:
     """What a scheme finds where there is nothing to find.
 
@@ -160,11 +160,11 @@ def _robustness(scheme: str, budget: str, attack: str, split: str, size: str, ro
         raise ValueError("a group without rows")
     correlation = _mean(read, "correlation", (-1.0, 1.0))
     return Robustness(
-        scheme,
-        budget,
-        attack,
-        split,
-        size,
+        scheme=scheme,
+        budget=budget,
+        attack=attack,
+        split=split,
+        size_class=size,
         trials=len(rows),
         models=len(set(models)),
         refused=sum(row.status == "refused" for row in rows),
@@ -184,9 +184,9 @@ def _alarms(scheme: str, trial: str, size: str, rows: list[Row]) -> Alarms:
     found = sum(bool(row.present) for row in read)
     bounds = [row.log10_false_positive for row in read if row.log10_false_positive is not None]
     return Alarms(
-        scheme,
-        trial,
-        size,
+        scheme=scheme,
+        trial=trial,
+        size_class=size,
         trials=len(read),
         not_read=len(rows) - len(read),
         found=found,

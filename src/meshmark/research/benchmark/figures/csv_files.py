@@ -33,7 +33,7 @@ def read_results(text: str) -> list[Row]:
     for line in csv.DictReader(io.StringIO(text)):
         values = {name: _value(line[name], kinds[name]) for name in (*_CASE, *_ROW)}
         case = Case(**{name: values.pop(name) for name in _CASE})
-        rows.append(Row(case, **values))
+        rows.append(Row(case=case, **values))
     return rows
 
 

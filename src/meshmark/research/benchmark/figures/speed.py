@@ -16,7 +16,7 @@ __all__ = ["Speed", "Timing", "growth", "speeds", "timings"]
 _FEWEST, _SPREAD = 3, 2.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Timing:
     """One model of a scheme and budget: median seconds, None where nothing was measured."""
 
@@ -32,7 +32,7 @@ class Timing:
     peak_mb: float | None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Speed:
     """Medians over the models of a size class, and the largest memory.
 
@@ -62,11 +62,11 @@ def timings(rows: Sequence[Row]) -> list[Timing]:
         peaks = [row.peak_mb for row in part if row.peak_mb is not None]
         result.append(
             Timing(
-                scheme,
-                budget,
-                model,
-                part[0].size_class or "",
-                part[0].points or 0,
+                scheme=scheme,
+                budget=budget,
+                model=model,
+                size_class=part[0].size_class or "",
+                points=part[0].points or 0,
                 embed=_median(made),
                 extract=_median([row.extract_seconds for row in part]),
                 file=_median([row.file_seconds for row in part]),
@@ -103,9 +103,9 @@ def _speed(scheme: str, budget: str, size: str, chosen: list[Timing]) -> Speed:
     points = [timing.points for timing in chosen]
     peaks = [timing.peak_mb for timing in chosen if timing.peak_mb is not None]
     return Speed(
-        scheme,
-        budget,
-        size,
+        scheme=scheme,
+        budget=budget,
+        size_class=size,
         models=len(chosen),
         points=float(np.median(points)),
         embed=_median([timing.embed for timing in chosen]),

@@ -12,7 +12,7 @@ from meshmark.research.benchmark.run.row import TRIALS, Row
 __all__ = ["Line", "as_table", "summary"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Line:
     """Some cases that differ only in model and repeat.
 
@@ -52,10 +52,10 @@ def _line(scheme: str, budget: str, trial: str, attack: str, group: Sequence[Row
     bers = [row.ber for row in group if row.ber is not None]
     refused = sum(row.status == "refused" for row in group)
     return Line(
-        scheme,
-        budget,
-        trial,
-        attack,
+        scheme=scheme,
+        budget=budget,
+        trial=trial,
+        attack=attack,
         cases=len(group),
         refused=refused,
         failed=sum(row.status != "ok" for row in group) - refused,

@@ -31,10 +31,17 @@ def calibration_plot(rows: Sequence[Row]) -> Plot | None:
     entries, samples = [], []
     for (scheme, trial), part in kinds.items():
         words = f"{scheme}, {trial} (n = {len(part)})"
-        entries.append(Entry(words, (2 * schemes.index(scheme) + _TRIALS.index(trial)) % len(COLOURS)))
+        entries.append(
+            Entry(words=words, colour=(2 * schemes.index(scheme) + _TRIALS.index(trial)) % len(COLOURS))
+        )
         samples.append(np.array([row.log10_false_positive for row in part], float))
     panel = calibration_panel(entries, samples)
-    return Plot("Are the claimed false-positive rates true?", _CAPTION, (panel,), tuple(entries))
+    return Plot(
+        title="Are the claimed false-positive rates true?",
+        caption=_CAPTION,
+        panels=(panel,),
+        legend=tuple(entries),
+    )
 
 
 def calibration_panel(entries: Sequence[Entry], samples: Sequence[FloatArray]) -> Panel:

@@ -54,7 +54,7 @@ def curve_plot(name: str, title: str, caption: str, series: Sequence[Series], fi
         panels += [] if panel is None else [panel]
     if not panels:
         return None
-    return Plot(title, caption, tuple(panels), tuple(one.entry for one in series))
+    return Plot(title=title, caption=caption, panels=tuple(panels), legend=tuple(one.entry for one in series))
 
 
 def dot_plot(name: str, title: str, caption: str, series: Sequence[Series], field: str) -> Plot | None:
@@ -64,7 +64,7 @@ def dot_plot(name: str, title: str, caption: str, series: Sequence[Series], fiel
     if not attacks:
         return None
     panel = _dots(name, attacks, series, field)
-    return Plot(title, caption, (panel,), tuple(one.entry for one in series))
+    return Plot(title=title, caption=caption, panels=(panel,), legend=tuple(one.entry for one in series))
 
 
 def _kinds(series: Sequence[Series]) -> list[str]:

@@ -102,7 +102,7 @@ def draw(
         )
         paint(figure.add_axes(room))
 
-    return Panel(name, alt, _svg(name, fill, height))
+    return Panel(name=name, alt=alt, svg=_svg(name, fill, height))
 
 
 def legend(name: str, entries: tuple[Entry, ...]) -> str:

@@ -38,7 +38,9 @@ def glossary(rows: Sequence[Row], facts: Facts) -> Section:
         _table("Outcomes", ("outcome", "meaning"), [(name, _OUTCOMES[name]) for name in STATUSES]),
         _table("Schemes", ("scheme", "title and source"), list(facts.schemes.items())),
     ]
-    return Section("words", "Words", (), tuple(table for table in tables if table.rows))
+    return Section(
+        name="words", title="Words", words=(), parts=tuple(table for table in tables if table.rows)
+    )
 
 
 _OUTCOMES = {
@@ -69,4 +71,9 @@ def _seen(rows: Sequence[Row], field: str) -> list[str]:
 
 
 def _table(title: str, columns: tuple[str, ...], lines: Sequence[tuple[str, ...]]) -> Table:
-    return Table(title, columns, tuple(tuple(Cell(text) for text in line) for line in lines), folded=True)
+    return Table(
+        title=title,
+        columns=columns,
+        rows=tuple(tuple(Cell(text=text) for text in line) for line in lines),
+        folded=True,
+    )

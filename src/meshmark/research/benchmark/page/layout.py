@@ -12,7 +12,7 @@ __all__ = ["Cell", "Entry", "Panel", "Plot", "Section", "Table", "estimate", "nu
 NOTHING = "–"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Cell:
     """What stands in a table: text, a smaller second text, and 0 (bad) to 1 (good) to colour it by."""
 
@@ -21,7 +21,7 @@ class Cell:
     heat: float | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Table:
     """A table; its first column names the rows. note: how to read it. folded: shown when asked for."""
 
@@ -32,7 +32,7 @@ class Table:
     folded: bool = False
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Panel:
     """One picture of a plot: a name for its file, what it shows in one sentence, and the SVG."""
 
@@ -41,7 +41,7 @@ class Panel:
     svg: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Entry:
     """A line of a legend: the words, the numbers of its colour and of its dashes (0 solid)."""
 
@@ -50,7 +50,7 @@ class Entry:
     dash: int = 0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Plot:
     """Pictures with one legend and one caption."""
 
@@ -61,7 +61,7 @@ class Plot:
     folded: bool = False
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Section:
     """A part of the report. words: paragraphs before the tables and plots."""
 
@@ -93,7 +93,7 @@ def number(value: float | None, digits: int = 3) -> str:
 def estimate(value: Estimate | None, *, good: str = "high") -> Cell:
     """Return a rate with its interval; `good` says which end is, "" leaves the cell without colour."""
     if value is None:
-        return Cell(NOTHING)
+        return Cell(text=NOTHING)
     interval = f"{percent(value.low, 0)[:-2]}–{percent(value.high, 0)}"
     heat = {"high": value.value, "low": max(0.0, 1.0 - 2.0 * value.value)}.get(good)
-    return Cell(percent(value.value), interval, heat)
+    return Cell(text=percent(value.value), small=interval, heat=heat)

@@ -37,8 +37,10 @@ def distortion_plot(rows: Sequence[Row]) -> Plot | None:
                 panels.append(_strips(budget, measure, part, schemes))
     if not panels:
         return None
-    entries = tuple(Entry(scheme, i % len(COLOURS)) for i, scheme in enumerate(schemes))
-    return Plot("How far the marks move the surface", _STRIPS, tuple(panels), entries)
+    entries = tuple(Entry(words=scheme, colour=i % len(COLOURS)) for i, scheme in enumerate(schemes))
+    return Plot(
+        title="How far the marks move the surface", caption=_STRIPS, panels=tuple(panels), legend=entries
+    )
 
 
 def _strips(budget: str, measure: str, rows: Sequence[Row], schemes: Sequence[str]) -> Panel:
@@ -108,14 +110,19 @@ def time_plot(rows: Sequence[Row]) -> Plot | None:
     several = len(schemes) > 1
     entries = {
         key: Entry(
-            f"{key[0]}, {key[1]}",
-            (schemes.index(key[0]) if several else budgets.index(key[1])) % len(COLOURS),
-            budgets.index(key[1]) % len(DASHES),
+            words=f"{key[0]}, {key[1]}",
+            colour=(schemes.index(key[0]) if several else budgets.index(key[1])) % len(COLOURS),
+            dash=budgets.index(key[1]) % len(DASHES),
         )
         for key in series
     }
     panels = [_times(field, words, series, entries) for field, words in _TIMES.items()]
-    return Plot("Time against the size of the model", _GROWTH, tuple(panels), tuple(entries.values()))
+    return Plot(
+        title="Time against the size of the model",
+        caption=_GROWTH,
+        panels=tuple(panels),
+        legend=tuple(entries.values()),
+    )
 
 
 _TIMES = {"embed": "embedding", "extract": "extraction"}

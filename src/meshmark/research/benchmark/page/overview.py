@@ -31,7 +31,7 @@ _FEW = 2  # more than so many results are compared in one sentence
 def overview(rows: Sequence[Row], facts: Facts, *, pictures: bool = True) -> Section:
     """Return the summary; it also holds for no rows at all."""
     if not rows:
-        return Section("summary", "Summary", ("No case has been measured yet.",))
+        return Section(name="summary", title="Summary", words=("No case has been measured yet.",))
     split = main_split(rows)
     chosen = [row for row in rows if split in (ALL, row.split)]
     figures = [item for item in robustness(chosen) if (item.split, item.size_class) == (ALL, ALL)]
@@ -39,7 +39,7 @@ def overview(rows: Sequence[Row], facts: Facts, *, pictures: bool = True) -> Sec
     if not pictures:
         words.append("This report has no plots: they need matplotlib (pip install meshmark[bench]).")
     table = _glance(chosen, figures, alarms(rows))
-    return Section("summary", "Summary", tuple(words), (table,) if table.rows else ())
+    return Section(name="summary", title="Summary", words=tuple(words), parts=(table,) if table.rows else ())
 
 
 def _measured(chosen: Sequence[Row], rows: Sequence[Row], facts: Facts, split: str) -> str:
@@ -129,17 +129,19 @@ def _glance(chosen: Sequence[Row], figures: Sequence[Robustness], found: Sequenc
         mine = [a for a in found if (a.scheme, a.size_class) == (scheme, ALL) and a.trial != "forged"]
         rows.append(
             (
-                Cell(scheme),
-                Cell(budget),
-                Cell(str(max(item.models for item in part))),
-                Cell(str(max((item.refused for item in part), default=0))),
+                Cell(text=scheme),
+                Cell(text=budget),
+                Cell(text=str(max(item.models for item in part))),
+                Cell(text=str(max((item.refused for item in part), default=0))),
                 estimate(clean),
                 estimate(_pooled(pooled.get((scheme, budget), []), "present")),
                 estimate(_pooled(pooled.get((scheme, budget), []), "recovered")),
-                Cell(f"{sum(a.found for a in mine)} of {sum(a.trials for a in mine)}"),
-                Cell(f"{100 * rms.mean:.3g} %", f"worst {100 * rms.worst:.3g} %") if rms else Cell("–"),
-                Cell(number(speed.embed if speed else None)),
-                Cell(number(speed.extract if speed else None)),
+                Cell(text=f"{sum(a.found for a in mine)} of {sum(a.trials for a in mine)}"),
+                Cell(text=f"{100 * rms.mean:.3g} %", small=f"worst {100 * rms.worst:.3g} %")
+                if rms
+                else Cell(text="–"),
+                Cell(text=number(speed.embed if speed else None)),
+                Cell(text=number(speed.extract if speed else None)),
             )
         )
     columns = (
@@ -150,7 +152,7 @@ def _glance(chosen: Sequence[Row], figures: Sequence[Robustness], found: Sequenc
         "“Attacked” pools all attacks alike; intervals count models, not trials. False alarms are those of all "
         "budgets together. Times are medians."
     )
-    return Table("At a glance", columns, tuple(rows), note)
+    return Table(title="At a glance", columns=columns, rows=tuple(rows), note=note)
 
 
 def _pooled(rows: Sequence[Row], field: str) -> Estimate | None:

@@ -75,7 +75,9 @@ def _by_mark(figures: Sequence[Robustness]) -> list[Series]:
     series = []
     for scheme, budget in keys:
         own = schemes.index(scheme) if len(schemes) > 1 else budgets.index(budget)
-        entry = Entry(f"{scheme}, {budget}", own % len(COLOURS), budgets.index(budget) % len(DASHES))
+        entry = Entry(
+            words=f"{scheme}, {budget}", colour=own % len(COLOURS), dash=budgets.index(budget) % len(DASHES)
+        )
         series.append(Series(entry, tuple(f for f in figures if (f.scheme, f.budget) == (scheme, budget))))
     return series
 
@@ -86,7 +88,9 @@ def _by_size(figures: Sequence[Robustness], sizes: Sequence[str]) -> list[Series
         chosen = tuple(figure for figure in figures if figure.size_class == size)
         if chosen:
             models = max(figure.models for figure in chosen)
-            series.append(Series(Entry(f"{size} points (n = {models})", i % len(COLOURS)), chosen))
+            series.append(
+                Series(Entry(words=f"{size} points (n = {models})", colour=i % len(COLOURS)), chosen)
+            )
     return series
 
 

@@ -48,21 +48,21 @@ def attack_tables(figures: Sequence[Robustness], split: str) -> list[Table]:
             *("attack", "models", "mark found", "id exact", "bit errors"),
             *("raw bit errors", "correlation", "refused", "failed"),
         )
-        tables.append(Table(f"{scheme}, {budget}: all sizes", columns, rows))
+        tables.append(Table(title=f"{scheme}, {budget}: all sizes", columns=columns, rows=rows))
     return tables
 
 
 def _attack_row(item: Robustness) -> tuple[Cell, ...]:
     trials = f"{item.trials} trials" if item.trials != item.models else ""
     return (
-        Cell(label(item.attack)),
-        Cell(str(item.models), trials),
+        Cell(text=label(item.attack)),
+        Cell(text=str(item.models), small=trials),
         estimate(item.present),
         estimate(item.recovered),
         estimate(item.ber, good="low"),
         estimate(item.raw_ber, good=""),
         Cell(
-            NOTHING
+            text=NOTHING
             if item.correlation is None
             else f"{round(item.correlation, 2) + 0.0:.2f}".replace("-", "−")
         ),
@@ -80,11 +80,16 @@ def size_tables(figures: Sequence[Robustness], split: str, sizes: Sequence[str])
         attacks = ordered({item.attack for item in part})
         for title, cell in _BY_SIZE.items():
             rows = tuple(
-                (Cell(label(attack)), *(cell(at.get((attack, size))) for size in (ALL, *sizes)))
+                (Cell(text=label(attack)), *(cell(at.get((attack, size))) for size in (ALL, *sizes)))
                 for attack in attacks
             )
             tables.append(
-                Table(f"{scheme}, {budget}: {title} by size", ("attack", ALL, *sizes), rows, folded=True)
+                Table(
+                    title=f"{scheme}, {budget}: {title} by size",
+                    columns=("attack", ALL, *sizes),
+                    rows=rows,
+                    folded=True,
+                )
             )
     return tables
 
@@ -100,11 +105,13 @@ def scheme_tables(figures: Sequence[Robustness], split: str) -> list[Table]:
         at = {(item.attack, item.scheme): item for item in part}
         for title, cell in _BY_SIZE.items():
             rows = tuple(
-                (Cell(label(attack)), *(cell(at.get((attack, scheme))) for scheme in schemes))
+                (Cell(text=label(attack)), *(cell(at.get((attack, scheme))) for scheme in schemes))
                 for attack in ordered({item.attack for item in part})
             )
             named = f"{budget}, {size} points" if size != ALL else f"{budget}, all sizes"
-            tables.append(Table(f"{title}: {named}", ("attack", *schemes), rows, folded=size != ALL))
+            tables.append(
+                Table(title=f"{title}: {named}", columns=("attack", *schemes), rows=rows, folded=size != ALL)
+            )
     return sorted(tables, key=lambda table: table.folded)
 
 
@@ -116,14 +123,17 @@ def alarm_table(figures: Sequence[Alarms]) -> Table:
     )
     rows = tuple(
         (
-            Cell(item.scheme),
-            Cell({"unmarked": "unmarked model", "forged": "copied mark"}.get(item.trial, item.trial)),
-            Cell(item.size_class),
-            Cell(str(item.trials)),
-            Cell(str(item.found), heat=None if not item.trials else 1.0 - min(1.0, item.found / item.trials)),
-            Cell(percent(item.limit, 1 if item.limit > 0.01 else 3)),
+            Cell(text=item.scheme),
+            Cell(text={"unmarked": "unmarked model", "forged": "copied mark"}.get(item.trial, item.trial)),
+            Cell(text=item.size_class),
+            Cell(text=str(item.trials)),
+            Cell(
+                text=str(item.found),
+                heat=None if not item.trials else 1.0 - min(1.0, item.found / item.trials),
+            ),
+            Cell(text=percent(item.limit, 1 if item.limit > 0.01 else 3)),
             _chance(item.ber),
-            Cell(_power(item.least)),
+            Cell(text=_power(item.least)),
             _count(item.not_read),
         )
         for item in figures
@@ -133,7 +143,7 @@ def alarm_table(figures: Sequence[Alarms]) -> Table:
         "read about 50 % of the bits wrong. “smallest p” is the smallest false-positive bound that was claimed: "
         "among n trials one of about 1/n is expected."
     )
-    return Table("Finding what is not there", columns, rows, note)
+    return Table(title="Finding what is not there", columns=columns, rows=rows, note=note)
 
 
 def distortion_table(figures: Sequence[Distortion]) -> Table:
@@ -143,8 +153,8 @@ def distortion_table(figures: Sequence[Distortion]) -> Table:
     shown = [name for name in MEASURES if any(d.measure == name for d in figures)]
     rows = tuple(
         (
-            *(Cell(text) for text in key),
-            Cell(str(max(at[(*key, name)].count for name in shown if (*key, name) in at))),
+            *(Cell(text=text) for text in key),
+            Cell(text=str(max(at[(*key, name)].count for name in shown if (*key, name) in at))),
             *(_measure(name, at.get((*key, name))) for name in shown),
         )
         for key in keys
@@ -153,7 +163,7 @@ def distortion_table(figures: Sequence[Distortion]) -> Table:
     note = (
         "Mean over models and the worst one. Lengths in % of the bounding box's diagonal, angles in degrees."
     )
-    return Table("Distortion of the marked models", columns, rows, note)
+    return Table(title="Distortion of the marked models", columns=columns, rows=rows, note=note)
 
 
 def speed_table(figures: Sequence[Speed]) -> Table:
@@ -164,14 +174,14 @@ def speed_table(figures: Sequence[Speed]) -> Table:
     )
     rows = tuple(
         (
-            Cell(item.scheme),
-            Cell(item.budget),
-            Cell(item.size_class, f"median {item.points:,.0f}"),
-            Cell(str(item.models)),
-            *(Cell(number(value)) for value in (item.embed, item.extract, item.file)),
-            Cell(number(item.vertices_per_second)),
-            Cell(number(item.peak_mb)),
-            Cell(_growth(item)),
+            Cell(text=item.scheme),
+            Cell(text=item.budget),
+            Cell(text=item.size_class, small=f"median {item.points:,.0f}"),
+            Cell(text=str(item.models)),
+            *(Cell(text=number(value)) for value in (item.embed, item.extract, item.file)),
+            Cell(text=number(item.vertices_per_second)),
+            Cell(text=number(item.peak_mb)),
+            Cell(text=_growth(item)),
         )
         for item in figures
     )
@@ -179,7 +189,7 @@ def speed_table(figures: Sequence[Speed]) -> Table:
         "Medians over models, wall-clock, other work may run beside it. “growth” is g of seconds ~ points^g for "
         "embedding / extraction: 1 is twice the time for twice the points. “vertices/s” is of extraction."
     )
-    return Table("Time and memory", columns, rows, note)
+    return Table(title="Time and memory", columns=columns, rows=rows, note=note)
 
 
 def trouble_table(rows: Sequence[Row]) -> Table:
@@ -192,16 +202,16 @@ def trouble_table(rows: Sequence[Row]) -> Table:
         attacks = ordered({row.case.attack for row in part})
         lines.append(
             (
-                Cell(status),
-                Cell(scheme),
-                Cell(str(len(part))),
-                Cell(note or NOTHING),
-                Cell(_some(models)),
-                Cell(_some([label(attack) for attack in attacks])),
+                Cell(text=status),
+                Cell(text=scheme),
+                Cell(text=str(len(part))),
+                Cell(text=note or NOTHING),
+                Cell(text=_some(models)),
+                Cell(text=_some([label(attack) for attack in attacks])),
             )
         )
     columns = ("outcome", "scheme", "cases", "sentence", "models", "attacks")
-    return Table("Refused and failed cases", columns, tuple(lines))
+    return Table(title="Refused and failed cases", columns=columns, rows=tuple(lines))
 
 
 def groups_of(items: Sequence[T], key: Callable[[T], K]) -> dict[K, list[T]]:
@@ -221,19 +231,19 @@ def _by_mark(
 
 def _rate_cell(value: Estimate | None, item: Robustness) -> Cell:
     cell = estimate(value)
-    return Cell(cell.text, f"{cell.small}, n {item.models}" if value else "", cell.heat)
+    return Cell(text=cell.text, small=f"{cell.small}, n {item.models}" if value else "", heat=cell.heat)
 
 
 def _ber_cell(item: Robustness | None) -> Cell:
     if item is None or item.ber is None:
-        return Cell(NOTHING)
+        return Cell(text=NOTHING)
     cell = estimate(item.ber, good="low")
-    return Cell(cell.text, f"{cell.small}, n {item.ber.count}", cell.heat)
+    return Cell(text=cell.text, small=f"{cell.small}, n {item.ber.count}", heat=cell.heat)
 
 
 _BY_SIZE: dict[str, Callable[[Robustness | None], Cell]] = {
-    "id exact": lambda item: Cell(NOTHING) if item is None else _rate_cell(item.recovered, item),
-    "mark found": lambda item: Cell(NOTHING) if item is None else _rate_cell(item.present, item),
+    "id exact": lambda item: Cell(text=NOTHING) if item is None else _rate_cell(item.recovered, item),
+    "mark found": lambda item: Cell(text=NOTHING) if item is None else _rate_cell(item.present, item),
     "bit errors": _ber_cell,
 }
 
@@ -245,10 +255,10 @@ def _chance(ber: Estimate | None) -> Cell:
 
 def _measure(name: str, item: Distortion | None) -> Cell:
     if item is None:
-        return Cell(NOTHING)
+        return Cell(text=NOTHING)
     share = name.endswith("_over_diagonal")
     mean, worst = (f"{100 * v:.3g} %" if share else f"{v:.3g}" for v in (item.mean, item.worst))
-    return Cell(mean, f"worst {worst}")
+    return Cell(text=mean, small=f"worst {worst}")
 
 
 def _growth(item: Speed) -> str:
@@ -263,7 +273,7 @@ def _power(exponent: float | None) -> str:
 
 
 def _count(value: int) -> Cell:
-    return Cell(str(value) if value else NOTHING)
+    return Cell(text=str(value) if value else NOTHING)
 
 
 def _some(names: Sequence[str]) -> str:

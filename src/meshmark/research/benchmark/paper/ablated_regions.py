@@ -31,11 +31,11 @@ def map_table(regions: Sequence[Figures]) -> Table:
         seconds = [figures[choice]["seconds"] for figures in regions if choice in figures]
         rows.append(
             (
-                Cell(told(choice)),
-                Cell(number(float(np.median([*balance]))), f"worst {number(max(balance))}"),
+                Cell(text=told(choice)),
+                Cell(text=number(float(np.median([*balance]))), small=f"worst {number(max(balance))}"),
                 *(_neutral([*own[name].values()]) for name in ("same region", "called")),
-                Cell(f"{number(1000 * float(np.median(seconds)))} ms"),
-                Cell(_against(own, _measures(regions, FULL.map)) if choice != FULL.map else NOTHING),
+                Cell(text=f"{number(1000 * float(np.median(seconds)))} ms"),
+                Cell(text=_against(own, _measures(regions, FULL.map)) if choice != FULL.map else NOTHING),
             )
         )
     columns = (
@@ -50,7 +50,7 @@ def map_table(regions: Sequence[Figures]) -> Table:
         "than chance over the models (95 %). The per-point map, recovery and id depend on none of these "
         "modules."
     )
-    return Table("Ablation: saliency and segmentation", columns, tuple(rows), note)
+    return Table(title="Ablation: saliency and segmentation", columns=columns, rows=tuple(rows), note=note)
 
 
 def _measures(regions: Sequence[Figures], choice: str) -> dict[str, dict[int, float]]:
@@ -89,12 +89,12 @@ def verdict_table(regions: Sequence[Figures]) -> Table:
             called = scores > 0.0
             rows.append(
                 (
-                    Cell(told(choice)),
-                    Cell(words),
-                    Cell(str(len(truth)), f"{int(truth.sum())} altered"),
-                    Cell(area(regions, choice, rule)),
-                    Cell(percent(_mean(~called[truth]), 2)),
-                    Cell(percent(_mean(called[~truth]), 2)),
+                    Cell(text=told(choice)),
+                    Cell(text=words),
+                    Cell(text=str(len(truth)), small=f"{int(truth.sum())} altered"),
+                    Cell(text=area(regions, choice, rule)),
+                    Cell(text=percent(_mean(~called[truth]), 2)),
+                    Cell(text=percent(_mean(called[~truth]), 2)),
                 )
             )
     columns = (
@@ -109,7 +109,9 @@ def verdict_table(regions: Sequence[Figures]) -> Table:
         "Regions of models marked for authentication, untouched and after local edits: bump, dent, moved, "
         "deleted or replaced part."
     )
-    return Table("Ablation: extraction, verdicts on regions", columns, tuple(rows), note)
+    return Table(
+        title="Ablation: extraction, verdicts on regions", columns=columns, rows=tuple(rows), note=note
+    )
 
 
 def _pooled(regions: Sequence[Figures], choice: str, rule: str) -> tuple[Any, Any]:
@@ -134,7 +136,7 @@ def told(choice: str) -> str:
 
 def _neutral(values: Sequence[float]) -> Cell:
     cell = share_cell(values)
-    return Cell(cell.text, cell.small)
+    return Cell(text=cell.text, small=cell.small)
 
 
 def _mean(flags: Any) -> float | None:

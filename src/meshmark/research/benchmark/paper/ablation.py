@@ -48,14 +48,14 @@ def _paper(measured: Measured, regions: Sequence[Figures]) -> Table:
         attacked = measured.values(scheme, attacks, lambda row: row.ber)
         rows.append(
             (
-                Cell(claim.modules),
-                Cell(f"{claim.train:.2f}"),
-                Cell(f"{claim.test:.2f}"),
-                Cell(told(choice), f"id by {scheme}"),
+                Cell(text=claim.modules),
+                Cell(text=f"{claim.train:.2f}"),
+                Cell(text=f"{claim.test:.2f}"),
+                Cell(text=told(choice), small=f"id by {scheme}"),
                 db_cell(list(psnr.values())),
                 share_cell(list(clean.values())),
                 share_cell(list(attacked.values())),
-                Cell(area(regions, choice, "network")),
+                Cell(text=area(regions, choice, "network")),
             )
         )
     columns = (
@@ -73,7 +73,7 @@ def _paper(measured: Measured, regions: Sequence[Figures]) -> Table:
         "serve the map of regions (last column and the next tables). Least significant bits are read "
         "without a network."
     )
-    return Table("Ablation: the paper's table", columns, tuple(rows), note)
+    return Table(title="Ablation: the paper's table", columns=columns, rows=tuple(rows), note=note)
 
 
 def _carriers(carriers: Sequence[Figures]) -> Table:
@@ -84,7 +84,7 @@ def _carriers(carriers: Sequence[Figures]) -> Table:
             _plain([float(np.mean(f[name])) for f in own]) for name in ("errors", "decoded", "decoded_half")
         ]
         bits = [float(np.mean(f["information"])) for f in own]
-        rows.append((Cell(words), shares[0], _plain_number(bits), shares[1], shares[2]))
+        rows.append((Cell(text=words), shares[0], _plain_number(bits), shares[1], shares[2]))
     columns = (
         "extraction",
         "wrong signs",
@@ -98,12 +98,12 @@ def _carriers(carriers: Sequence[Figures]) -> Table:
         "0.1, in the frame found by a lock that succeeded, as the network is used. Means over "
         "models, 95 % intervals."
     )
-    return Table("Ablation: extraction, bits of the id", columns, tuple(rows), note)
+    return Table(title="Ablation: extraction, bits of the id", columns=columns, rows=tuple(rows), note=note)
 
 
 def _embedding(measured: Measured) -> Table:
     attacks = sorted({row.case.attack for row in measured.rows if row.case.trial == "marked"})
-    everything = Group("all", frozenset(row.case.model for row in measured.rows))
+    everything = Group(label="all", models=frozenset(row.case.model for row in measured.rows))
     rows = []
     for attack in attacks:
         values = {name: measured.values(name, (attack,), lambda row: row.ber) for name in _SCHEMES}
@@ -111,24 +111,26 @@ def _embedding(measured: Measured) -> Table:
             OWN, (attack,), lambda row: None if row.present is None else float(not row.present)
         )
         cells = [share_cell(list(values[name].values())) for name in _SCHEMES]
-        rows.append((Cell(label(attack)), *cells, Cell(standing(values, everything, "%", lost).words)))
+        rows.append(
+            (Cell(text=label(attack)), *cells, Cell(text=standing(values, everything, "%", lost).words))
+        )
     columns = ("attack", "barycentre", "least significant bits", "barycentre")
     note = (
         "Bit errors of 64 bits, at the same budget; mean over the models that could be marked, 95 % interval."
     )
-    return Table("Ablation: embedding", columns, tuple(rows), note)
+    return Table(title="Ablation: embedding", columns=columns, rows=tuple(rows), note=note)
 
 
 def _plain(values: Sequence[float]) -> Cell:
     """Return a share that has no good end."""
     cell = share_cell(values)
-    return Cell(cell.text, cell.small)
+    return Cell(text=cell.text, small=cell.small)
 
 
 def _plain_number(values: Sequence[float]) -> Cell:
     found = mean(values)
     return (
-        Cell(NOTHING)
+        Cell(text=NOTHING)
         if found is None
-        else Cell(f"{found.value:.3f}", f"{found.low:.2f}–{found.high:.2f}, n {found.count}")
+        else Cell(text=f"{found.value:.3f}", small=f"{found.low:.2f}–{found.high:.2f}, n {found.count}")
     )

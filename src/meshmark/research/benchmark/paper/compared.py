@@ -77,14 +77,16 @@ def _table(
     )
     rows = tuple(
         (
-            Cell(group.label),
+            Cell(text=group.label),
             *(_claim_cells(claims, group) if claimed else ()),
             *(_cell(values[name], group, unit) for name in measured.schemes),
-            Cell(standing(values, group, unit, lost).words),
+            Cell(text=standing(values, group, unit, lost).words),
         )
         for group in measured.groups()
     )
-    return Table(f"{claims.name}: {claims.about}; {reading}", columns, rows, _note(claims))
+    return Table(
+        title=f"{claims.name}: {claims.about}; {reading}", columns=columns, rows=rows, note=_note(claims)
+    )
 
 
 def _present(row: Row) -> float | None:
@@ -101,12 +103,12 @@ def _note(claims: Claims) -> str:
 
 def _claim_cells(claims: Claims, group: Group) -> list[Cell]:
     if group.claim is not None:
-        return [Cell(f"{value:.2f}") for value in claims.rows[group.claim]]
+        return [Cell(text=f"{value:.2f}") for value in claims.rows[group.claim]]
     if group.average:
         average = claims.average or tuple(float(value) for value in np.mean(claims.rows, axis=0))
         small = "" if claims.average else "mean of rows"
-        return [Cell(f"{value:.5g}", small) for value in average]
-    return [Cell(NOTHING)] * len(CLAIMED)
+        return [Cell(text=f"{value:.5g}", small=small) for value in average]
+    return [Cell(text=NOTHING)] * len(CLAIMED)
 
 
 def _cell(values: Values, group: Group, unit: str) -> Cell:
@@ -114,7 +116,7 @@ def _cell(values: Values, group: Group, unit: str) -> Cell:
     return db_cell(own) if unit == "dB" else share_cell(own)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Standing:
     """How NCDG-LV stands among its rivals: in words; whether one is ahead, and whether more than by chance."""
 
@@ -150,11 +152,11 @@ def standing(values: Mapping[str, Values], group: Group, unit: str, lost: Values
         elif chance:
             doubtful.append(title_of(name))
     if not compared:
-        return Standing(NOTHING)
+        return Standing(words=NOTHING)
     parts = [f"behind {', '.join(ahead)}{_why(group, unit, own, lost)}"] if ahead else []
     parts += [f"level with {', '.join(level)}"] if level else []
     parts += [f"ahead of {', '.join(doubtful)} within chance"] if doubtful else []
-    return Standing("; ".join(parts) or "leads", bool(ahead), clearly)
+    return Standing(words="; ".join(parts) or "leads", behind=bool(ahead), clearly=clearly)
 
 
 def _difference(

@@ -50,7 +50,15 @@ def detection_parts(
     if not pictures:
         return [table]
     drawn = panel("paper-figure-7", "Figure 7", lines, across="points, from", up="ms", log="xy", least=None)
-    return [Plot("Figure 7: salient point detection time", _CAPTION, (drawn,), entries(lines)), table]
+    return [
+        Plot(
+            title="Figure 7: salient point detection time",
+            caption=_CAPTION,
+            panels=(drawn,),
+            legend=entries(lines),
+        ),
+        table,
+    ]
 
 
 def _middle(values: Sequence[float]) -> Estimate:
@@ -66,24 +74,26 @@ def _table(
 ) -> Table:
     claims = dict(zip(CLAIMED, FIGURES[7][1], strict=True))
     claimed = [claims.get(_SCHEME.get(way, "")) for way in ways]
-    rows = [(Cell("claimed, first run"), *(Cell("–" if v is None else f"{v:g} ms") for v in claimed))]
+    rows = [
+        (Cell(text="claimed, first run"), *(Cell(text="–" if v is None else f"{v:g} ms") for v in claimed))
+    ]
     for size in order:
-        rows.append((Cell(f"{size} points"), *(_cell(at[way, size]) for way in ways)))
+        rows.append((Cell(text=f"{size} points"), *(_cell(at[way, size]) for way in ways)))
     totals = [sum(f[way]["seconds"] for f in found.values() if way in f) for way in ways]
     counts = [sum(way in f for f in found.values()) for way in ways]
-    total = (Cell(f"{number(t)} s", f"{c} models") for t, c in zip(totals, counts, strict=True))
-    rows.append((Cell("all together (eq. 16)"), *total))
+    total = (Cell(text=f"{number(t)} s", small=f"{c} models") for t, c in zip(totals, counts, strict=True))
+    rows.append((Cell(text="all together (eq. 16)"), *total))
     columns = ("models", *(WAYS[way] for way in ways))
     note = f"{_CAPTION} Doubts about the paper's figure 7: {DOUBTS['Figure 7']}"
-    return Table("Figure 7: salient point detection time", columns, tuple(rows), note)
+    return Table(title="Figure 7: salient point detection time", columns=columns, rows=tuple(rows), note=note)
 
 
 def _cell(milliseconds: Sequence[float]) -> Cell:
     if not milliseconds:
-        return Cell("–")
+        return Cell(text="–")
     found = _middle(milliseconds)
     middle = f"{number(found.low)}–{number(found.high)}, n {found.count}"
-    return Cell(f"{number(found.value)} ms", middle)
+    return Cell(text=f"{number(found.value)} ms", small=middle)
 
 
 _CAPTION = (

@@ -20,7 +20,7 @@ Line = tuple[str, Sequence[tuple[float, Estimate]]]
 
 def entries(lines: Sequence[Line]) -> tuple[Entry, ...]:
     """Return the legend of lines."""
-    return tuple(Entry(name, i % len(COLOURS)) for i, (name, _) in enumerate(lines))
+    return tuple(Entry(words=name, colour=i % len(COLOURS)) for i, (name, _) in enumerate(lines))
 
 
 def panel(

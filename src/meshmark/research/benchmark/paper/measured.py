@@ -19,7 +19,7 @@ OWN = "ncdg_lv"
 Values = Mapping[str, float]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Group:
     """Some models: of a class of the paper (its number from 0), of a size, or all (class None)."""
 
@@ -64,12 +64,16 @@ class Measured:
         models = {row.case.model for row in self.rows}
         size = {row.case.model: row.size_class for row in self.rows}
         by_class = [
-            Group(f"Model{i} ({name})", frozenset(m for m in models if self.classes.get(m) == name), i - 1)
+            Group(
+                label=f"Model{i} ({name})",
+                models=frozenset(m for m in models if self.classes.get(m) == name),
+                claim=i - 1,
+            )
             for i, name in enumerate(CLASSES, 1)
         ]
-        everything = Group("all models", frozenset(models), average=True)
+        everything = Group(label="all models", models=frozenset(models), average=True)
         by_size = [
-            Group(f"{name} points", frozenset(m for m in models if size[m] == name))
+            Group(label=f"{name} points", models=frozenset(m for m in models if size[m] == name))
             for name in size_classes(self.rows)
         ]
         return [*by_class, everything, *(group for group in by_size if group.models)]
@@ -84,18 +88,18 @@ def share_cell(values: Sequence[float]) -> Cell:
     """Return the mean of shares with its interval and the number of models."""
     found = mean(values)
     if found is None:
-        return Cell(NOTHING)
+        return Cell(text=NOTHING)
     interval = f"{percent(found.low, 0)[:-2]}–{percent(found.high, 0)}, n {found.count}"
-    return Cell(percent(found.value, 2), interval, max(0.0, 1.0 - 2.0 * found.value))
+    return Cell(text=percent(found.value, 2), small=interval, heat=max(0.0, 1.0 - 2.0 * found.value))
 
 
 def db_cell(values: Sequence[float]) -> Cell:
     """Return the mean of decibels with its interval and the number of models."""
     found = db_estimate(values)
     if found is None:
-        return Cell(NOTHING)
+        return Cell(text=NOTHING)
     interval = f"{found.low:.1f}–{found.high:.1f}, " if found.count > 1 else ""
-    return Cell(f"{found.value:.2f}", f"{interval}n {found.count}")
+    return Cell(text=f"{found.value:.2f}", small=f"{interval}n {found.count}")
 
 
 def db_estimate(values: Sequence[float]) -> Estimate | None:

@@ -30,7 +30,7 @@ CLAIMED = {
 CLASSES = ("rabbit", "vase", "bee", "face", "horse", "table", "bird", "spider", "ant", "dog")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Claims:
     """A table of the paper: a row of `CLAIMED` values for each of `CLASSES`, and the average where it has one."""
 
@@ -43,10 +43,10 @@ class Claims:
 
 TABLES = {
     1: Claims(
-        "Table 1",
-        "PSNR of the marked model",
-        "dB",
-        (
+        name="Table 1",
+        about="PSNR of the marked model",
+        unit="dB",
+        rows=(
             (56.08, 54.15, 51.22, 55.48),
             (58.58, 56.08, 52.56, 57.56),
             (52.56, 46.54, 45.20, 50.02),
@@ -60,10 +60,10 @@ TABLES = {
         ),
     ),
     2: Claims(
-        "Table 2",
-        "bit errors",
-        "%",
-        (
+        name="Table 2",
+        about="bit errors",
+        unit="%",
+        rows=(
             (2.15, 3.25, 4.00, 2.85),
             (2.35, 3.85, 4.15, 3.15),
             (3.15, 3.95, 4.35, 3.65),
@@ -75,13 +75,13 @@ TABLES = {
             (9.15, 8.00, 9.25, 8.45),
             (12.00, 8.25, 12.55, 11.0),
         ),
-        (5.64, 5.645, 6.605, 5.785),
+        average=(5.64, 5.645, 6.605, 5.785),
     ),
     3: Claims(
-        "Table 3",
-        "bit errors with smoothing",
-        "%",
-        (
+        name="Table 3",
+        about="bit errors with smoothing",
+        unit="%",
+        rows=(
             (3.25, 3.85, 4.15, 3.55),
             (3.85, 4.25, 4.55, 4.05),
             (3.55, 4.55, 4.65, 3.75),
@@ -93,13 +93,13 @@ TABLES = {
             (15.00, 17.35, 19.15, 16.55),
             (16.35, 18.00, 20.0, 17.45),
         ),
-        (7.785, 8.79, 9.645, 8.345),
+        average=(7.785, 8.79, 9.645, 8.345),
     ),
     4: Claims(
-        "Table 4",
-        "PSNR with 1, 2 and 5 % noise",
-        "dB",
-        (
+        name="Table 4",
+        about="PSNR with 1, 2 and 5 % noise",
+        unit="dB",
+        rows=(
             (51.05, 49.12, 46.19, 50.38),
             (53.55, 51.05, 47.53, 52.46),
             (47.53, 41.51, 40.17, 45.58),
@@ -115,7 +115,7 @@ TABLES = {
 }
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Ablated:
     """A row of the ablation table: the modules in the paper's words, and its PSNR of training and test set, dB."""
 
@@ -125,10 +125,10 @@ class Ablated:
 
 
 ABLATION = (
-    Ablated("Vertices + clustering + MF_B + LM_DN", 22.68, 25.84),
-    Ablated("NC_DGG + Fuzzy clustering + LSB + LM_DN", 42.45, 40.12),
-    Ablated("NC_DGG + MS + LSB + LM_DN", 52.25, 48.12),
-    Ablated("NC–DGG + MS + MF_B + LM_DN", 58.12, 54.13),
+    Ablated(modules="Vertices + clustering + MF_B + LM_DN", train=22.68, test=25.84),
+    Ablated(modules="NC_DGG + Fuzzy clustering + LSB + LM_DN", train=42.45, test=40.12),
+    Ablated(modules="NC_DGG + MS + LSB + LM_DN", train=52.25, test=48.12),
+    Ablated(modules="NC–DGG + MS + MF_B + LM_DN", train=58.12, test=54.13),
 )
 
 # What the text says of the figures, in the order of `CLAIMED`; their curves are drawn only.

@@ -39,7 +39,11 @@ def rate_parts(measured: Measured, *, pictures: bool) -> list[Table | Plot]:
             drawn = panel(
                 f"paper-figure-{number}", f"Figure {number}", lines, across="models", up="%", least=None
             )
-            parts.append(Plot(f"Figure {number}: {what}", _CAPTION, (drawn,), entries(lines)))
+            parts.append(
+                Plot(
+                    title=f"Figure {number}: {what}", caption=_CAPTION, panels=(drawn,), legend=entries(lines)
+                )
+            )
         parts.append(_table(measured, number, what, lines, counts))
     return parts
 
@@ -78,22 +82,29 @@ def _rate(
 def _table(measured: Measured, number: int, what: str, lines: Sequence[Line], counts: Sequence[int]) -> Table:
     claims = dict(zip(CLAIMED, FIGURES[number][1], strict=True))
     columns = ("models", *(title for title, _ in lines))
-    claimed = tuple(Cell(f"{claims[name]:g} %") if name in claims else Cell("–") for name in measured.schemes)
-    rows = [(Cell("claimed"), *claimed)]
+    claimed = tuple(
+        Cell(text=f"{claims[name]:g} %") if name in claims else Cell(text="–") for name in measured.schemes
+    )
+    rows = [(Cell(text="claimed"), *claimed)]
     for count in counts:
         at = [dict(points).get(float(count)) for _, points in lines]
-        rows.append((Cell(f"first {count}"), *(_cell(value) for value in at)))
+        rows.append((Cell(text=f"first {count}"), *(_cell(value) for value in at)))
     if number == 10:
-        rows.append((Cell("false positive rate"), *(_alarm(measured, name) for name in measured.schemes)))
+        rows.append(
+            (Cell(text="false positive rate"), *(_alarm(measured, name) for name in measured.schemes))
+        )
     return Table(
-        f"Figure {number}: {what}", columns, tuple(rows), f"{_CAPTION} Doubts: {DOUBTS[f'Figure {number}']}"
+        title=f"Figure {number}: {what}",
+        columns=columns,
+        rows=tuple(rows),
+        note=f"{_CAPTION} Doubts: {DOUBTS[f'Figure {number}']}",
     )
 
 
 def _cell(value: Estimate | None) -> Cell:
     if value is None:
-        return Cell("–")
-    return Cell(f"{value.value:.1f} %", f"{value.low:.0f}–{value.high:.0f} %, n {value.count}")
+        return Cell(text="–")
+    return Cell(text=f"{value.value:.1f} %", small=f"{value.low:.0f}–{value.high:.0f} %, n {value.count}")
 
 
 def _alarm(measured: Measured, scheme: str) -> Cell:
@@ -103,8 +114,8 @@ def _alarm(measured: Measured, scheme: str) -> Cell:
     ]
     found = sum(bool(row.present) for row in rows)
     value = rate(found, len(rows))
-    return Cell("–") if value is None else Cell(
-        percent(value.value), f"{found} of {len(rows)}, at most {percent(upper_limit(found, len(rows)))}"
+    return Cell(text="–") if value is None else Cell(
+        text=percent(value.value), small=f"{found} of {len(rows)}, at most {percent(upper_limit(found, len(rows)))}"
     )  # fmt: skip
 
 

@@ -30,7 +30,7 @@ def paper_section(
 ) -> Section:
     """Return the section; it is empty for the rows of another suite."""
     if facts.suite != SUITE or not rows:
-        return Section(SUITE, _TITLE)
+        return Section(name=SUITE, title=_TITLE)
     models = sorted({row.case.model for row in rows})
     measured = Measured(rows, classes_of(Path(facts.data), models))
     sizes = {row.case.model: row.size_class or "" for row in rows}
@@ -43,7 +43,7 @@ def paper_section(
         *watermark_parts(measured, pictures=pictures),
         *ablation_tables(measured, probes),
     )
-    return Section(SUITE, _TITLE, _WORDS, parts)
+    return Section(name=SUITE, title=_TITLE, words=_WORDS, parts=parts)
 
 
 def _equal(measured: Measured) -> Table:
@@ -52,22 +52,24 @@ def _equal(measured: Measured) -> Table:
     for name in measured.schemes:
         scheme = SCHEMES.get(name)
         known = (str(scheme.bits), "blind" if scheme.blind else "informed") if scheme else (NOTHING, NOTHING)
-        cells = [Cell(title_of(name)), *(Cell(text) for text in known)]
+        cells = [Cell(text=title_of(name)), *(Cell(text=text) for text in known)]
         for measure in ("rms_over_diagonal", "mrms_over_diagonal", "msdm2"):
             value = found.get((name, measure))
             factor, unit = (1.0, "") if measure == "msdm2" else (100.0, " %")
             cells.append(
-                Cell(NOTHING)
+                Cell(text=NOTHING)
                 if value is None
                 else Cell(
-                    f"{factor * value.mean:.3g}{unit}",
-                    f"worst {factor * value.worst:.3g}{unit}, n {value.count}",
+                    text=f"{factor * value.mean:.3g}{unit}",
+                    small=f"worst {factor * value.worst:.3g}{unit}, n {value.count}",
                 )
             )
-        rows.append((*cells, Cell(_origin(scheme) or NOTHING)))
+        rows.append((*cells, Cell(text=_origin(scheme) or NOTHING)))
     columns = ("scheme", "payload, bits", "reading", "RMS", "MRMS", "MSDM2", "where it is from")
     note = "Budget of all: at most 0.08 % of the diagonal RMS displacement (strength standard). Means over models."
-    return Table("Payload and distortion of all tables below", columns, tuple(rows), note)
+    return Table(
+        title="Payload and distortion of all tables below", columns=columns, rows=tuple(rows), note=note
+    )
 
 
 def _origin(scheme: Scheme | None) -> str:
@@ -88,12 +90,14 @@ def _marked(measured: Measured) -> Table:
             own = [row for row in held if size in ("all", row.size_class)]
             done = sum(row.status == "ok" for row in own)
             broken = sum(row.status not in ("ok", "refused") for row in own)
-            cells.append(Cell(f"{done} of {len(own)}", f"{broken} failed" if broken else ""))
-        rows.append((Cell(title_of(name)), *cells))
+            cells.append(Cell(text=f"{done} of {len(own)}", small=f"{broken} failed" if broken else ""))
+        rows.append((Cell(text=title_of(name)), *cells))
     note = (
         "A model is not marked where the scheme refuses it: too few points, or, for some schemes, not closed."
     )
-    return Table("Models that could be marked", ("scheme", "all", *sizes), tuple(rows), note)
+    return Table(
+        title="Models that could be marked", columns=("scheme", "all", *sizes), rows=tuple(rows), note=note
+    )
 
 
 _TITLE = "The paper's tables and figures"

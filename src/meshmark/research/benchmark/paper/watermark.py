@@ -76,7 +76,10 @@ def _plot(measured: Measured, figure: int, words: str, kinds: tuple[str, ...]) -
         )
         legend = entries(lines)
     return Plot(
-        f"Figure {figure}: PSNR of the extracted watermark after {words}", _CAPTION, tuple(panels), legend
+        title=f"Figure {figure}: PSNR of the extracted watermark after {words}",
+        caption=_CAPTION,
+        panels=tuple(panels),
+        legend=legend,
     )
 
 
@@ -95,14 +98,14 @@ def _table(measured: Measured, figure: int, words: str, attacks: list[str]) -> T
     )
     rows = tuple(
         (
-            Cell(label(attack)),
+            Cell(text=label(attack)),
             *(_cell(_errors(measured, name, attack)) for name in measured.schemes),
             *(db_cell(list(measured.values(name, (attack,), _model).values())) for name in measured.schemes),
         )
         for attack in attacks
     )
     note = f"{_CAPTION} Doubts about the paper's figure {figure}: {DOUBTS[f'Figure {figure}']}"
-    return Table(f"Figure {figure}: after {words}", columns, rows, note)
+    return Table(title=f"Figure {figure}: after {words}", columns=columns, rows=rows, note=note)
 
 
 def _model(row: Row) -> float | None:
@@ -111,10 +114,12 @@ def _model(row: Row) -> float | None:
 
 def _cell(errors: Estimate | None) -> Cell:
     if errors is None:
-        return Cell(NOTHING)
+        return Cell(text=NOTHING)
     found = watermark_psnr(errors)
     heat = max(0.0, 1.0 - 2.0 * errors.value)
-    return Cell(number(found.value), f"{percent(errors.value)} of bits wrong, n {errors.count}", heat)
+    return Cell(
+        text=number(found.value), small=f"{percent(errors.value)} of bits wrong, n {errors.count}", heat=heat
+    )
 
 
 _CAPTION = (

@@ -20,7 +20,7 @@ __all__ = ["Facts", "cores", "facts_of_now", "memory_mb"]
 _PACKAGES = ("numpy", "scipy", "fast-simplification", "scikit-image", "gpytoolbox", "pebble")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Facts:
     """Where a run's figures come from.
 
@@ -59,11 +59,11 @@ def facts_of_now(
 ) -> Facts:
     """Return the facts of a run that starts now, on this machine."""
     return Facts(
-        suite,
-        seed,
-        schemes,
-        str(data),
-        models,
+        suite=suite,
+        seed=seed,
+        schemes=schemes,
+        data=str(data),
+        models=models,
         command=shlex.join(["meshmark", *sys.argv[1:]]),
         started=datetime.now(UTC).isoformat(timespec="seconds"),
         commit=_commit(),

@@ -19,7 +19,7 @@ class Look:
     model: str
 
 
-@dataclass(frozen=True, order=True)
+@dataclass(frozen=True, order=True, kw_only=True)
 class Mark:
     """Mark a model. Scheme, `owner` (the model whose key it is), budget, seed and fresh name the key.
 
@@ -36,7 +36,7 @@ class Mark:
     donor: bool = False
 
 
-@dataclass(frozen=True, order=True)
+@dataclass(frozen=True, order=True, kw_only=True)
 class Probe:
     """Measure something of a model that is no reading of a scheme: `kind` is a name in `probes.PROBES`."""
 
@@ -48,7 +48,7 @@ class Probe:
 Job = Look | Mark | Probe | Case
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Outcome:
     """How a job ended: a status of `Row` with its sentence, and the fields of `Row` it fills, or a probe's own."""
 
@@ -60,7 +60,7 @@ class Outcome:
 def mark_of(case: Case) -> Mark:
     """Return the mark of a case's model that is judged, or that names the key where there is none."""
     fresh = case.repeat if SUITES[case.suite].fresh else 0
-    return Mark(case.scheme, case.model, case.budget, case.seed, fresh)
+    return Mark(scheme=case.scheme, owner=case.model, budget=case.budget, seed=case.seed, fresh=fresh)
 
 
 def marks_of(case: Case) -> list[Mark]:
@@ -90,7 +90,15 @@ def model_of(job: Job) -> str:
 
 
 def _variant(mark: Mark, number: int, donor: bool = False) -> Mark:
-    return Mark(mark.scheme, mark.owner, mark.budget, mark.seed, mark.fresh, number, donor)
+    return Mark(
+        scheme=mark.scheme,
+        owner=mark.owner,
+        budget=mark.budget,
+        seed=mark.seed,
+        fresh=mark.fresh,
+        number=number,
+        donor=donor,
+    )
 
 
 def _colluders(attack: str) -> int:

@@ -60,7 +60,7 @@ def judge(data: Path, out: Path, case: Case) -> Outcome:
         "vertices_per_second": len(attacked.vertices) / seconds,
     }
     figures["attacked_psnr_db"] = attacked_psnr_db(whole, made)
-    return Outcome("ok", figures={**figures, **times})
+    return Outcome(status="ok", figures={**figures, **times})
 
 
 def attacked_psnr_db(whole: Mesh, made: Attacked) -> float | None:
@@ -92,7 +92,7 @@ def _given(case: Case, held: dict[Mark, Mesh], scheme: Scheme) -> Given:
         bits = bits_for(scheme.bits, "second mark", *_names(case))
         return scheme.embed(mesh, bits, _stranger(case, "second mark"), strength=case.budget)
 
-    return Given(copies, donor, embed)
+    return Given(copies=copies, donor=donor, embed=embed)
 
 
 def _stranger(case: Case, role: str) -> Key:

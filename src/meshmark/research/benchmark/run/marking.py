@@ -52,7 +52,7 @@ def look(data: Path, job: Look) -> Outcome:
     mesh = original(data, job.model)
     points = len(weld(mesh).points)
     figures = {"points": points, "size_class": size_class(points), "file_seconds": _file_seconds(mesh)}
-    return Outcome("ok", figures=figures)
+    return Outcome(status="ok", figures=figures)
 
 
 def _file_seconds(mesh: Mesh) -> float | None:
@@ -83,4 +83,4 @@ def mark(data: Path, out: Path, job: Mark) -> Outcome:
     first = not (job.number or job.fresh or job.donor)
     distortion = compare(mesh, marked).to_dict() if first else {}
     kept = {name: value for name, value in distortion.items() if name in _FIGURES}
-    return Outcome("ok", figures={**kept, "embed_seconds": seconds})
+    return Outcome(status="ok", figures={**kept, "embed_seconds": seconds})

@@ -29,4 +29,4 @@ def probe(data: Path, job: Probe) -> Outcome:
     """Measure; raises what the probe raises, `CapacityError` where the model has no room for it."""
     rng = generator_for("probe", job.seed, job.kind, job.model)
     mesh = original(data, job.model)
-    return Outcome("ok", figures=PROBES[job.kind](Mesh(mesh.vertices, mesh.faces), rng))
+    return Outcome(status="ok", figures=PROBES[job.kind](Mesh(mesh.vertices, mesh.faces), rng))

@@ -37,7 +37,7 @@ class Case:
     repeat: int = 0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Row:
     """A case and its outcome; figures are None where they do not apply or were not reached.
 

@@ -27,7 +27,7 @@ __all__ = ["Finished", "Plan", "run", "schemes_of"]
 _MEMORY_SHARE = 0.8
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Plan:
     """What to run. data: None for the models that come with the package; limit: of models, None for all.
 
@@ -46,7 +46,7 @@ class Plan:
     hours: float | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Finished:
     """The rows of a run, the facts of it, and how many rows an earlier start had left.
 
@@ -77,7 +77,11 @@ def run(plan: Plan, told: Callable[[int, int, int], None] = lambda *_: None) -> 
         write_shipped(data)
     models = spread(data, find_models(data))[: plan.limit]
     workers = plan.workers or cores()
-    setup = Setup(data.resolve(), plan.out.resolve(), int(_MEMORY_SHARE * memory_mb()) // workers)
+    setup = Setup(
+        data=data.resolve(),
+        out=plan.out.resolve(),
+        worker_memory_mb=int(_MEMORY_SHARE * memory_mb()) // workers,
+    )
     titles = {name: SCHEMES.told(name) for name in names}
     limits = {"workers": workers, "time_limit": plan.time_limit, "worker_memory_mb": setup.worker_memory_mb}
     facts = facts_of_now(plan.suite, plan.seed, titles, setup.data, len(models), **limits)
@@ -90,7 +94,9 @@ def run(plan: Plan, told: Callable[[int, int, int], None] = lambda *_: None) -> 
         with Crew(workers, setup, plan.time_limit) as crew:
             undone = _Run(store, crew, left, len(wanted), told, plan.hours).go()
         rows, kept = store.rows(), store.facts() or facts
-        return Finished(rows, kept, len(wanted) - len(left), store.probes(), undone)
+        return Finished(
+            rows=rows, facts=kept, resumed=len(wanted) - len(left), probes=store.probes(), left=undone
+        )
 
 
 def schemes_of(plan: Plan) -> tuple[str, ...]:
@@ -110,7 +116,7 @@ def schemes_of(plan: Plan) -> tuple[str, ...]:
 
 def _wanted(plan: Plan, models: Iterable[str], names: Iterable[str]) -> Iterator[Case | Probe]:
     for model in models:
-        yield from (Probe(kind, model, plan.seed) for kind in SUITES[plan.suite].probes)
+        yield from (Probe(kind=kind, model=model, seed=plan.seed) for kind in SUITES[plan.suite].probes)
         for name in names:
             yield from cases(plan.suite, name, model, plan.seed)
 
@@ -204,4 +210,4 @@ class _Run:
         figures = {name: value for part in ended for name, value in part.figures.items()}
         peaks = [part.figures["peak_mb"] for part in ended if part.figures.get("peak_mb")]
         figures["peak_mb"] = max(peaks, default=None)
-        return Row(case, outcome.status, outcome.note, split=split_of(case.model), **figures)
+        return Row(case=case, status=outcome.status, note=outcome.note, split=split_of(case.model), **figures)

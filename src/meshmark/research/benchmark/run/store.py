@@ -94,7 +94,7 @@ class Store:
         for values in self._base.execute(f"SELECT {', '.join(_CASE + _ROW)} FROM rows"):
             case, figures = Case(*values[: len(_CASE)]), dict(zip(_ROW, values[len(_CASE) :], strict=True))
             flags = {name: bool(figures[name]) for name in _FLAGS if figures[name] is not None}
-            yield Row(case, **{**figures, **flags})
+            yield Row(case=case, **{**figures, **flags})
 
     def cases(self) -> set[Case]:
         """Return the cases that have a row."""
@@ -110,7 +110,7 @@ class Store:
         held = self._base.execute("SELECT job, status, note, figures FROM jobs").fetchall()
         made = ((json.loads(name), status, note, json.loads(text)) for name, status, note, text in held)
         found = {
-            Probe(**name["Probe"]): Outcome(status, note, figures)
+            Probe(**name["Probe"]): Outcome(status=status, note=note, figures=figures)
             for name, status, note, figures in made
             if "Probe" in name
         }
@@ -121,7 +121,9 @@ class Store:
         found = self._base.execute(
             "SELECT status, note, figures FROM jobs WHERE job = ?", [_name(job)]
         ).fetchone()
-        return None if found is None else Outcome(found[0], found[1], json.loads(found[2]))
+        return (
+            None if found is None else Outcome(status=found[0], note=found[1], figures=json.loads(found[2]))
+        )
 
 
 def _name(job: Job) -> str:

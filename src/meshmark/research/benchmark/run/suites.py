@@ -13,7 +13,7 @@ from meshmark.research.benchmark.run.row import Case
 __all__ = ["SUITES", "Part", "Suite", "cases"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Part:
     """Attacks, each made on a trial (one of `row.TRIALS`) so many times with new random numbers."""
 
@@ -22,7 +22,7 @@ class Part:
     repeats: int = 1
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Suite:
     """What is measured. fresh: each repeat marks the model anew, to time that too.
 
@@ -65,57 +65,84 @@ _MILD = ("none", "similarity:1", "noise:0.003", "smoothing:10", "crop:0.1")
 
 SUITES: dict[str, Suite] = {
     "smoke": Suite(
-        "the facts that must hold, in minutes",
-        ("standard",),
-        (
-            Part(("none", "similarity:1", "shuffle:1", "float32:1", "file_obj:1", "midpoint:1")),
-            Part(("noise:0.001", "smoothing:5", "quantisation:11", "simplification:0.5", "crop:0.03")),
-            Part(("none",), "wrong key", 4),
-            Part(("none", "noise:0.003"), "unmarked"),
+        about="the facts that must hold, in minutes",
+        budgets=("standard",),
+        parts=(
+            Part(attacks=("none", "similarity:1", "shuffle:1", "float32:1", "file_obj:1", "midpoint:1")),
+            Part(
+                attacks=("noise:0.001", "smoothing:5", "quantisation:11", "simplification:0.5", "crop:0.03")
+            ),
+            Part(attacks=("none",), trial="wrong key", repeats=4),
+            Part(attacks=("none", "noise:0.003"), trial="unmarked"),
         ),
     ),
     "paper": Suite(
-        "the paper's tables, figures and ablation",
-        ("standard",),
-        (Part(_PAPER), Part(("none",), "wrong key"), Part(("none",), "unmarked")),
+        about="the paper's tables, figures and ablation",
+        budgets=("standard",),
+        parts=(
+            Part(attacks=_PAPER),
+            Part(attacks=("none",), trial="wrong key"),
+            Part(attacks=("none",), trial="unmarked"),
+        ),
         schemes=("ncdg_lv", "laplace_beltrami", "mdaqim", "deep3d", "lsb"),
         probes=("salient points", "regions", "carriers"),
     ),
     "robust": Suite(
-        "every attack on the whole model, at both budgets of the mesh watermarking benchmark",
-        ("standard", "subtle"),
-        (
+        about="every attack on the whole model, at both budgets of the mesh watermarking benchmark",
+        budgets=("standard", "subtle"),
+        parts=(
             Part(
-                (*_HARMLESS, *_FILES, *_NOISE, *_SMOOTHING, *_QUANTISATION, *_SURFACE, *_CROP, "affine:0.02")
+                attacks=(
+                    *_HARMLESS,
+                    *_FILES,
+                    *_NOISE,
+                    *_SMOOTHING,
+                    *_QUANTISATION,
+                    *_SURFACE,
+                    *_CROP,
+                    "affine:0.02",
+                )
             ),
-            Part(("none",), "wrong key"),
-            Part(("none",), "unmarked"),
+            Part(attacks=("none",), trial="wrong key"),
+            Part(attacks=("none",), trial="unmarked"),
         ),
     ),
     "ownership": Suite(
-        "what the mark must survive, at the standard strength",
-        ("standard",),
-        (
+        about="what the mark must survive, at the standard strength",
+        budgets=("standard",),
+        parts=(
             Part(
-                (*_HARMLESS, *_FILES, *_NOISE, *_SMOOTHING, *_QUANTISATION, *_SURFACE, *_CROP, "affine:0.02")
+                attacks=(
+                    *_HARMLESS,
+                    *_FILES,
+                    *_NOISE,
+                    *_SMOOTHING,
+                    *_QUANTISATION,
+                    *_SURFACE,
+                    *_CROP,
+                    "affine:0.02",
+                )
             ),
-            Part(("none",), "wrong key"),
-            Part(("none",), "unmarked"),
+            Part(attacks=("none",), trial="wrong key"),
+            Part(attacks=("none",), trial="unmarked"),
         ),
     ),
     "security": Suite(
-        "what must not be found, and attacks on the use of marks",
-        ("standard",),
-        (
-            Part(("none", "mirror:1", "paste:0.1", "second_mark:1", *_each("collusion", 2, 3, 5))),
-            Part(("copy:1",), "forged"),
-            Part(("none",), "wrong key", 10),
-            Part(_MILD, "wrong key"),
-            Part(_MILD, "unmarked", 2),
+        about="what must not be found, and attacks on the use of marks",
+        budgets=("standard",),
+        parts=(
+            Part(attacks=("none", "mirror:1", "paste:0.1", "second_mark:1", *_each("collusion", 2, 3, 5))),
+            Part(attacks=("copy:1",), trial="forged"),
+            Part(attacks=("none",), trial="wrong key", repeats=10),
+            Part(attacks=_MILD, trial="wrong key"),
+            Part(attacks=_MILD, trial="unmarked", repeats=2),
         ),
     ),
     "speed": Suite(
-        "time and memory, each mark made anew", ("standard",), (Part(("none",), repeats=5),), fresh=True
+        about="time and memory, each mark made anew",
+        budgets=("standard",),
+        parts=(Part(attacks=("none",), repeats=5),),
+        fresh=True,
     ),
 }
 

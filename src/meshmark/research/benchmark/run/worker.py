@@ -23,7 +23,7 @@ from meshmark.research.benchmark.run.probes import probe
 __all__ = ["Setup", "begin", "work"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Setup:
     """What all jobs of a run share: the folders of models and of results, and the memory a worker may use."""
 
@@ -45,7 +45,9 @@ def work(setup: Setup, job: Job) -> Outcome:
     outcome = _outcome(_function(setup, job), setup)
     if isinstance(job, Probe):  # its figures are those that its table knows, no others
         return outcome
-    return Outcome(outcome.status, outcome.note, {**outcome.figures, "peak_mb": peak_mb()})
+    return Outcome(
+        status=outcome.status, note=outcome.note, figures={**outcome.figures, "peak_mb": peak_mb()}
+    )
 
 
 def _function(setup: Setup, job: Job) -> Callable[[], Outcome]:
@@ -62,13 +64,13 @@ def _outcome(function: Callable[[], Outcome], setup: Setup) -> Outcome:
     try:
         return function()
     except CapacityError as error:
-        return Outcome("refused", str(error))
+        return Outcome(status="refused", note=str(error))
     except MeshmarkError as error:
-        return Outcome("failed", str(error))
+        return Outcome(status="failed", note=str(error))
     except MemoryError:
-        return Outcome("failed", f"needed more than {setup.worker_memory_mb} MiB of memory")
+        return Outcome(status="failed", note=f"needed more than {setup.worker_memory_mb} MiB of memory")
     except Exception as error:  # a scheme from outside may raise anything; its case is lost, not the run
-        return Outcome("failed", " ".join(f"{type(error).__name__}: {error}".split()))
+        return Outcome(status="failed", note=" ".join(f"{type(error).__name__}: {error}".split()))
 
 
 def _end_with_parent() -> None:

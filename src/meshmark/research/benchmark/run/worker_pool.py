@@ -93,16 +93,16 @@ class Crew:
         from pebble import ProcessExpired
 
         if not future.done():
-            outcome = Outcome("killed", "the worker ended before it could begin")
+            outcome = Outcome(status="killed", note="the worker ended before it could begin")
         else:
             try:
                 outcome = future.result()
             except TimeoutError:
-                outcome = Outcome("timeout", f"took longer than {self.time_limit:g} s")
+                outcome = Outcome(status="timeout", note=f"took longer than {self.time_limit:g} s")
             except ProcessExpired as error:
-                outcome = Outcome("killed", f"the worker {_how(error.exitcode)}")
+                outcome = Outcome(status="killed", note=f"the worker {_how(error.exitcode)}")
             except BrokenProcessPool:
-                outcome = Outcome("killed", "the worker ended before it could begin")
+                outcome = Outcome(status="killed", note="the worker ended before it could begin")
             else:
                 self._free.append(pool)
                 return outcome

@@ -49,5 +49,5 @@ def _pose(original: Host, suspect: Host) -> Similarity | None:
     found = register(landmarks, home, Surface(suspect.points, suspect.faces))
     if not found:
         return None
-    to_canonical = Similarity(home.scale, home.axes, home.centre).inverse()
+    to_canonical = Similarity(scale=home.scale, rotation=home.axes, shift=home.centre).inverse()
     return found[0].pose.after(to_canonical)

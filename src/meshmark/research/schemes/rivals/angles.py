@@ -13,7 +13,7 @@ from meshmark.research.schemes.scheme import Bits
 __all__ = ["Angles", "angles_of", "turned"]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Angles:
     """Angles (n, 2) of points: from the frame's third axis, 0 to pi, and around it, -pi to pi; radii (n,)."""
 
@@ -40,7 +40,9 @@ def angles_of(points: FloatArray, frame: Frame) -> Angles:
     """Return the angles of points (n, 3) as seen from the origin of a frame."""
     x, y, z = frame.to_canonical(points).T
     flat = np.hypot(x, y)
-    return Angles(frame, np.hypot(flat, z), np.column_stack([np.arctan2(flat, z), np.arctan2(y, x)]))
+    return Angles(
+        frame=frame, radii=np.hypot(flat, z), values=np.column_stack([np.arctan2(flat, z), np.arctan2(y, x)])
+    )
 
 
 def turned(points: FloatArray, order: IntArray, angles: Angles) -> FloatArray:

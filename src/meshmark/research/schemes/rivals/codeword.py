@@ -40,7 +40,7 @@ def read_code(seen: FloatArray, key: Key, pilots: int, hypotheses: int = 1) -> R
     wrong = int((bits[:pilots] & looked).sum())
     chance = float(binom.logcdf(wrong, int(looked.sum()), 0.5)) if pilots else 0.0
     bound = min(0.0, float(chance / np.log(10.0) + np.log10(hypotheses)))
-    return Readout(bits[pilots:], bound <= PRESENT, bound)
+    return Readout(bits=bits[pilots:], present=bound <= PRESENT, log10_false_positive=bound)
 
 
 def chips(key: Key, purpose: str, count: int, length: int) -> tuple[IntArray, FloatArray]:

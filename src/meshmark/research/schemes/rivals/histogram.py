@@ -23,7 +23,7 @@ FEWEST = 3
 """A bin with fewer points carries nothing: its least and its largest do not move."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Statistic:
     """What of the mapped norms x in [0, 1] holds a bit: above `middle` is 1.
 
@@ -41,11 +41,11 @@ def _from_centre(x: FloatArray, k: FloatArray) -> FloatArray:
     return np.asarray(0.5 + 0.5 * np.sign(arm) * np.abs(arm) ** k)
 
 
-MEAN = Statistic(1 / 2, lambda x: x, lambda x, k: np.asarray(x**k))
-VARIANCE = Statistic(1 / 3, lambda x: np.asarray((2.0 * x - 1.0) ** 2), _from_centre)
+MEAN = Statistic(middle=1 / 2, value=lambda x: x, power=lambda x, k: np.asarray(x**k))
+VARIANCE = Statistic(middle=1 / 3, value=lambda x: np.asarray((2.0 * x - 1.0) ** 2), power=_from_centre)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Bins:
     """Norms (n,) mapped into their bins: bin (n,), x (n,) in [0, 1], and of each bin (N,) count, low and width."""
 
@@ -84,7 +84,7 @@ def bins_of(norms: FloatArray, count: int) -> Bins:
     sizes = np.bincount(at, minlength=count)
     low, width = np.where(sizes > 0, low, 0.0), np.where(sizes > 0, high - low, 0.0)
     x = (norms - low[at]) / np.where(width > 0.0, width, 1.0)[at]
-    return Bins(at, np.clip(x, 0.0, 1.0), sizes, low, width)
+    return Bins(bin=at, x=np.clip(x, 0.0, 1.0), count=sizes, low=low, width=width)
 
 
 def within(norms: FloatArray, trim: float) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:

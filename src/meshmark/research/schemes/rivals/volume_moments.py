@@ -37,7 +37,7 @@ SMALL = 1e-4
 TURNS = np.array([(1, 1, 1), (-1, -1, 1), (-1, 1, -1), (1, -1, -1)])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class VolumeMoments(Rival):
     """Each code bit has patches of directions from the volume's centroid; the volume in them is quantised.
 

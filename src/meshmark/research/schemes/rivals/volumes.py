@@ -26,7 +26,7 @@ def signed_volumes(points: FloatArray, faces: IntArray) -> FloatArray:
     return np.asarray(np.einsum("ij,ij->i", a, np.cross(b, c)) / 6.0)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Solid:
     """What is inside a closed surface, to the second order: volume, centroid (3,), covariance (3, 3)."""
 
@@ -48,7 +48,7 @@ def solid_of(points: FloatArray, faces: IntArray) -> tuple[Solid, FloatArray] | 
     middle = points.mean(axis=0)
     centre = middle + _integrals(points - middle, faces)[1]
     volume, _, second, _ = _integrals(points - centre, faces)
-    solid = Solid(volume, centre, second)
+    solid = Solid(volume=volume, centre=centre, covariance=second)
     if volume == 0.0 or not np.linalg.eigvalsh(second)[0] > 0.0:
         return None
     axes = solid.axes()

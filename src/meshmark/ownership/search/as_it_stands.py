@@ -1,0 +1,52 @@
+"""Strategy: the surface as it stands, in its own canonical frame."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from meshmark.geometry.frame import canonical_frame, frame_alternatives
+from meshmark.geometry.sampling import plan_samples
+from meshmark.ownership.carriers.pose import Pose
+from meshmark.ownership.carriers.quantisation import lock_score
+from meshmark.ownership.parameters import (
+    CARRIER_PLENTY,
+    CARRIER_READABLE,
+    LONGEST_SAMPLE,
+    SPACING_TRIES,
+    STEPS,
+    SURELY_SKEW,
+)
+from meshmark.ownership.search.measurement import Measurement, Reading, read_cells
+from meshmark.ownership.search.search import Search
+
+__all__ = ["readings_as_it_stands"]
+
+
+def readings_as_it_stands(search: Search) -> Iterator[Reading]:
+    """Yield a reading for each spacing and frame alternative with enough cells, likeliest first."""
+    surface = search.surface
+    frame = canonical_frame(surface.points, surface.faces)
+    canonical = frame.to_canonical(surface.points)
+    rich = 0
+    for spacing in search.spacings_for(frame.area):
+        lattice = search.lattice(spacing)
+        samples = plan_samples(canonical, surface.faces, LONGEST_SAMPLE * spacing)(canonical)
+        fewest = 0
+        for other in frame_alternatives(frame, search.wide, np.inf if search.wide else SURELY_SKEW):
+            cells = read_cells(samples, lattice, Pose.turned(frame.axes.T @ other.axes))
+            fewest = min(fewest or len(cells.nodes), len(cells.nodes))
+            if fewest < CARRIER_READABLE:
+                break  # about as many whichever way the lattice lies
+            charge = search.trials.charge()
+            yield _at_best_step(Measurement.of(lattice, cells), charge)
+        rich += fewest >= CARRIER_PLENTY
+        if rich == SPACING_TRIES and not search.wide:
+            return
+
+
+def _at_best_step(measured: Measurement, charge: float) -> Reading:
+    phases = measured.phase(STEPS[:, None])
+    best = int(np.argmax(lock_score(phases)))
+    return Reading.of(measured, float(STEPS[best]), phases[best], len(STEPS) * charge)

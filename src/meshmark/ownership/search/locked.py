@@ -1,0 +1,118 @@
+"""The lattice lock on measured shapes: the correction of the frame that puts the cells on the quantiser's points.
+
+What the strategies share that correct a frame: a search of the whole ball of likely corrections (`locked`), and
+growth from a cluster of cells where the frame is off by more (`grown_readings`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import product
+
+import numpy as np
+
+from meshmark.mesh import FloatArray, IntArray
+from meshmark.ownership.carriers.grown_lock import grown, neighbourhoods
+from meshmark.ownership.carriers.lock import LockSearch
+from meshmark.ownership.carriers.quantisation import log10_lock_chance
+from meshmark.ownership.parameters import (
+    CARRIER_READABLE,
+    CREDIBLE_LOG10,
+    LOCK_CANDIDATES,
+    LOCK_EXPECTED,
+    LOCK_RADIUS,
+    TYPICAL_STEP,
+)
+from meshmark.ownership.search.measurement import Measurement, Reading
+from meshmark.ownership.search.shapes import Hypothesis, Response, Shapes
+
+__all__ = ["grown_locks", "grown_readings", "locked_readings", "relocked"]
+
+# Clusters of cells that a stretch is looked for from.
+CLUSTERS = 3
+# Corrections tried in each: twelve directions need more than seven.
+STRETCH_GRID = 1_000_000
+
+
+def locked_readings(
+    shapes: Shapes, hypothesis: Hypothesis, steps: Sequence[float], charge: float
+) -> Iterator[Reading]:
+    """Yield the best corrections over all steps; after one that is credible, also what is measured there anew.
+
+    charge: of this trial (`TrialCounter`); each reading pays for the corrections of all steps besides.
+    """
+    response = shapes.response(hypothesis)
+    if len(response) < CARRIER_READABLE:
+        return
+    expected = np.concatenate([LOCK_EXPECTED, hypothesis.restoration.expected])
+    rough = []
+    tried = 0.0
+    for step in steps:
+        phase = response.measured.phase(step)
+        gradient = 4.0 * np.pi / step * response.gradient
+        search = LockSearch(2.0 * phase, gradient, expected, LOCK_RADIUS)
+        tried += search.tried
+        for lock in search.rough(LOCK_CANDIDATES):
+            chance = log10_lock_chance(lock.score, len(phase)) + float(np.log10(lock.tried))
+            rough.append((chance, step, search, lock))
+    for _, step, search, lock in sorted(rough, key=lambda entry: entry[0])[:LOCK_CANDIDATES]:
+        correction = search.polished([lock])[0].correction
+        phase = response.measured.phase(step, response.gradient @ correction)
+        reading = Reading.of(response.measured, step, phase, charge * tried)
+        yield reading
+        if reading.log10_chance + np.log10(tried) < CREDIBLE_LOG10:
+            yield _again(shapes.corrected(hypothesis, correction), step, charge * tried)
+
+
+def grown_readings(
+    shapes: Shapes, hypothesis: Hypothesis, steps: Sequence[float], drift: float, charge: float
+) -> Iterator[Reading]:
+    """Yield what locks from any of a few clusters of cells on.
+
+    drift: expected deviation of the frame, over the usual one; charge: of this trial.
+    """
+    response = shapes.response(hypothesis)
+    if len(response) < CARRIER_READABLE:
+        return
+    expected = np.concatenate([LOCK_EXPECTED * drift, hypothesis.restoration.expected])
+    places = response.measured.cells.nodes.astype(np.float64)
+    typical = 4.0 * np.pi / TYPICAL_STEP * response.gradient
+    orders = neighbourhoods(typical * expected, places, CLUSTERS)
+    for step, correction, tried in grown_locks(response, expected, steps, orders, STRETCH_GRID):
+        yield _again(shapes.corrected(hypothesis, correction), step, charge * tried)
+
+
+def grown_locks(
+    response: Response,
+    expected: FloatArray,
+    steps: Sequence[float],
+    orders: Sequence[IntArray],
+    most: int,
+) -> Iterator[tuple[float, FloatArray, float]]:
+    """Yield (step, correction (d,), hypotheses tried) of each credible lock that grows from a cluster.
+
+    expected, orders, most: as in `grown`.
+    """
+    for step, order in product(steps, orders):
+        psi = 2.0 * response.measured.phase(step)
+        lock = grown(psi, 4.0 * np.pi / step * response.gradient, expected, order, most)
+        if lock is None:
+            continue
+        tried = lock.tried * len(steps)
+        if log10_lock_chance(lock.score, len(psi)) + np.log10(tried) < CREDIBLE_LOG10:
+            yield step, lock.correction, tried
+
+
+def relocked(
+    measured: Measurement, gradient: FloatArray, step: float
+) -> tuple[FloatArray, FloatArray, float]:
+    """Return (phases (n,) after it, best correction (7,) close to where the cells were measured, tried)."""
+    search = LockSearch(2.0 * measured.phase(step), 4.0 * np.pi / step * gradient, LOCK_EXPECTED, LOCK_RADIUS)
+    correction = search.polished(search.rough(1))[0].correction
+    return measured.phase(step, gradient @ correction), correction, search.tried
+
+
+def _again(response: Response, step: float, charge: float) -> Reading:
+    """Return the best reading close to where this response was measured."""
+    phase, _, tried = relocked(response.measured, response.gradient, step)
+    return Reading.of(response.measured, step, phase, charge * tried)

@@ -1,0 +1,116 @@
+"""What is measured on a surface under one hypothesis of its frame, and what a quantisation step reads there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from meshmark.coding.codec import LENGTH
+from meshmark.geometry.sampling import Samples
+from meshmark.mesh import FloatArray
+from meshmark.ownership.carriers.cells import Cells, measure_cells
+from meshmark.ownership.carriers.lattice import CellKeys, Lattice
+from meshmark.ownership.carriers.pose import Pose
+from meshmark.ownership.carriers.quantisation import (
+    bit_phase,
+    lock_score,
+    log10_lock_chance,
+    log_likelihood_ratio,
+)
+from meshmark.ownership.carriers.relief import Relief
+from meshmark.ownership.carriers.selection import select_cells
+from meshmark.ownership.demodulator import demodulate
+from meshmark.ownership.parameters import EXTRACT_SELECTION
+
+__all__ = ["Measurement", "Reading", "place", "read_cells"]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Measurement:
+    """n cells of a lattice of one spacing (in canonical units), measured in one frame.
+
+    keys: what the key says of them. relief: of the surface, where the network is to demodulate.
+    """
+
+    spacing: float
+    cells: Cells
+    keys: CellKeys
+    relief: Relief | None = None
+
+    @classmethod
+    def of(cls, lattice: Lattice, cells: Cells, relief: Relief | None = None) -> Measurement:
+        """Return the measurement of these cells."""
+        return cls(spacing=lattice.spacing, cells=cells, keys=lattice.keys(cells.nodes), relief=relief)
+
+    def __len__(self) -> int:
+        return len(self.cells.nodes)
+
+    def phase(self, step: float | FloatArray, shift: FloatArray | float = 0.0) -> FloatArray:
+        """Return the phases (n,), radians, at a step in spacings, the offsets shifted by `shift` (n,)."""
+        return bit_phase(self.cells.offset + shift, self.keys.dither, step)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Reading:
+    """A measurement read with one quantisation step.
+
+    step: in spacings. phase: (n,) radians; score: sum of cos(2 phase); log10_chance: of the score alone, one
+    hypothesis; hypotheses: what the chance is to be multiplied by (`TrialCounter`).
+    mirrored: read in the suspect's mirror image.
+    """
+
+    measured: Measurement
+    step: float
+    phase: FloatArray
+    score: float
+    log10_chance: float
+    hypotheses: float
+    mirrored: bool = False
+
+    @classmethod
+    def of(cls, measured: Measurement, step: float, phase: FloatArray, hypotheses: float) -> Reading:
+        """Score these phases."""
+        score = float(lock_score(phase))
+        return cls(
+            measured=measured,
+            step=step,
+            phase=phase,
+            score=score,
+            log10_chance=log10_lock_chance(score, len(phase)),
+            hypotheses=hypotheses,
+        )
+
+    @property
+    def spacing(self) -> float:
+        """Return the lattice spacing, in canonical units."""
+        return self.measured.spacing
+
+    def observed(self) -> FloatArray:
+        """Return the log-likelihood ratio of each code bit, 0 where no cell carries it."""
+        measured = self.measured
+        if measured.relief is None:
+            ratio = log_likelihood_ratio(self.phase)
+        else:
+            ratio = demodulate(self.phase, measured.cells, self.step, measured.relief)
+        return np.bincount(measured.keys.code_index, ratio, LENGTH).astype(np.float64)
+
+
+def read_cells(samples: Samples, lattice: Lattice, pose: Pose) -> Cells:
+    """Return the cells that may carry, of canonical samples brought to `pose`."""
+    cells = place(samples, lattice, pose)
+    return cells.take(select_cells(cells, EXTRACT_SELECTION))
+
+
+def place(samples: Samples, lattice: Lattice, pose: Pose) -> Cells:
+    """Return all cells of canonical samples brought to `pose`."""
+    turn = pose.turn @ lattice.axes.T
+    size = pose.scale / lattice.spacing
+    shift = pose.shift @ lattice.axes.T / lattice.spacing + lattice.shift
+    # A plane patch of one spacing squared has mass 1.
+    placed = Samples(
+        positions=samples.positions @ (turn * size) + shift,
+        vectors=samples.vectors @ (turn * size**2),
+        areas=samples.areas * size**2,
+    )
+    return measure_cells(placed)

@@ -1,0 +1,51 @@
+"""Strategy: each restoration of the suspect's shape in its own frame, corrected by the lattice lock."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import islice
+
+from meshmark.geometry.frame import Frame, frame_alternatives
+from meshmark.ownership.parameters import (
+    CARRIER_ENOUGH,
+    LOCK_STEPS,
+    LOCK_TURNS,
+    SURELY_SKEW,
+    preferred_spacings,
+)
+from meshmark.ownership.search.locked import locked_readings
+from meshmark.ownership.search.measurement import Reading
+from meshmark.ownership.search.restoration import Restoration, restorations
+from meshmark.ownership.search.search import Search
+from meshmark.ownership.search.shapes import Hypothesis, Shapes
+
+__all__ = ["hypotheses", "restored_readings"]
+
+
+def restored_readings(search: Search) -> Iterator[Reading]:
+    """Yield the best few corrected readings of each restoration, spacing and turn, likeliest first."""
+    shapes = Shapes(search.surface)
+    for restoration in restorations(search.surface):
+        for hypothesis in hypotheses(search, shapes, restoration):
+            yield from locked_readings(shapes, hypothesis, LOCK_STEPS, search.trials.charge())
+
+
+def hypotheses(search: Search, shapes: Shapes, restoration: Restoration) -> Iterator[Hypothesis]:
+    """Yield the spacings and turns of a restoration in its own frame."""
+    frame = shapes.frame(restoration.shapes[0])
+    known = search.spacings
+    for spacing in _rich_spacings(search, shapes, restoration, frame) if known is None else known:
+        turns = frame_alternatives(frame, search.wide, SURELY_SKEW)
+        for turned in turns if search.wide else islice(turns, LOCK_TURNS):
+            yield Hypothesis(restoration=restoration, lattice=search.lattice(spacing), turned=turned)
+
+
+def _rich_spacings(search: Search, shapes: Shapes, restoration: Restoration, frame: Frame) -> Iterator[float]:
+    """Yield the first spacing with carriers enough, or all such; none where the shape has fallen apart."""
+    for spacing in preferred_spacings(frame.area):
+        carriers = shapes.carriers(restoration.shapes[0], search.lattice(spacing), frame)
+        if len(carriers.nodes) < CARRIER_ENOUGH:
+            continue
+        yield spacing
+        if not search.wide:
+            return

@@ -1,0 +1,51 @@
+"""One search for a mark: what is searched, with which key, how far, and what was tried so far."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+from meshmark.certificate.certificate import Certificate
+from meshmark.coding.keys import Key
+from meshmark.geometry.weld import Welded
+from meshmark.mesh import Mesh
+from meshmark.ownership.carriers.lattice import Lattice
+from meshmark.ownership.parameters import preferred_spacings
+from meshmark.ownership.search.trials import TrialCounter
+
+__all__ = ["EFFORTS", "Search"]
+
+EFFORTS = ("plain", "quick", "wide")
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Search:
+    """What every strategy is given.
+
+    surface: of the suspect. effort: "plain" reads the surface as it stands (and where a reference says) only;
+    "quick" also undoes common damage; "wide" also exchanges axes of nearly equal moments and reads every spacing.
+    copies: further surfaces that may carry the mark, where a scene shows meshes several times (used up once).
+    spacings: lattice spacings to read, None: all that an embedding may have chosen. reference: the certificate
+    of the mark or the unmarked original. trials: numbers every reading of this search.
+    """
+
+    surface: Welded
+    key: Key
+    effort: str = "quick"
+    spacings: tuple[float, ...] | None = None
+    reference: Certificate | Mesh | None = None
+    copies: Iterable[Welded] = ()
+    trials: TrialCounter = field(default_factory=TrialCounter)
+
+    @property
+    def wide(self) -> bool:
+        """Return whether everything is to be tried."""
+        return self.effort == "wide"
+
+    def lattice(self, spacing: float) -> Lattice:
+        """Return the key's lattice."""
+        return Lattice.keyed(self.key, spacing)
+
+    def spacings_for(self, area: float) -> Iterable[float]:
+        """Return the spacings to read on a surface of this canonical area, likeliest first."""
+        return preferred_spacings(area) if self.spacings is None else self.spacings

@@ -1,0 +1,77 @@
+"""The table of search strategies, in the order in which a search goes through them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from meshmark.ownership.parameters import DECODE_LOG10
+from meshmark.ownership.search.as_it_stands import readings_as_it_stands
+from meshmark.ownership.search.copies_once import readings_of_copies
+from meshmark.ownership.search.cropped import cropped_readings
+from meshmark.ownership.search.measurement import Reading
+from meshmark.ownership.search.mirrored import mirrored_readings
+from meshmark.ownership.search.registered import registered_readings
+from meshmark.ownership.search.restored import restored_readings
+from meshmark.ownership.search.search import Search
+from meshmark.ownership.search.stretched import stretched_readings
+from meshmark.ownership.search.unsmoothed import is_coarse, unsmoothed_readings
+
+__all__ = ["STRATEGIES", "Strategy"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Strategy:
+    """One way in which the mark may be read.
+
+    readings: yields the readings of a search, likeliest first; each has taken a trial of `search.trials`.
+    applies: whether a search is to try it at all. cost: processor time of an absent answer, over that of reading a
+    surface of 35,000 points as it stands. decode_below: readings whose lock is less likely by chance than 10^this
+    are decoded; None: all are.
+    """
+
+    name: str
+    readings: Callable[[Search], Iterator[Reading]]
+    applies: Callable[[Search], bool]
+    cost: float
+    decode_below: float | None = None
+
+
+def _always(_search: Search) -> bool:
+    return True
+
+
+def _has_reference(search: Search) -> bool:
+    return search.reference is not None
+
+
+def _undoes_damage(search: Search) -> bool:
+    return search.effort != "plain"
+
+
+def _is_coarse(search: Search) -> bool:
+    return _undoes_damage(search) and is_coarse(search.surface)
+
+
+STRATEGIES: tuple[Strategy, ...] = (
+    Strategy(
+        name="as it stands",
+        readings=readings_as_it_stands,
+        applies=_always,
+        cost=1.0,
+        decode_below=DECODE_LOG10,
+    ),
+    Strategy(
+        name="copies of one mesh once",
+        readings=readings_of_copies,
+        applies=_always,
+        cost=10.0,
+        decode_below=DECODE_LOG10,
+    ),
+    Strategy(name="registered", readings=registered_readings, applies=_has_reference, cost=60.0),
+    Strategy(name="mirrored", readings=mirrored_readings, applies=_undoes_damage, cost=1.0),
+    Strategy(name="smoothing undone", readings=unsmoothed_readings, applies=_is_coarse, cost=10.0),
+    Strategy(name="restored", readings=restored_readings, applies=_undoes_damage, cost=10.0),
+    Strategy(name="stretched", readings=stretched_readings, applies=_undoes_damage, cost=5.0),
+    Strategy(name="cropped", readings=cropped_readings, applies=_undoes_damage, cost=30.0),
+)

@@ -1,0 +1,29 @@
+"""Strategy: the suspect as it was before a small non-uniform scaling.
+
+A stretch moves cells by many steps; grown from a cluster that hardly feels it, the lock finds it all the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from meshmark.ownership.parameters import LARGE_STEPS, LOCK_STEPS
+from meshmark.ownership.search.locked import grown_readings
+from meshmark.ownership.search.measurement import Reading
+from meshmark.ownership.search.restoration import stretched
+from meshmark.ownership.search.restored import hypotheses
+from meshmark.ownership.search.search import Search
+from meshmark.ownership.search.shapes import Shapes
+
+__all__ = ["stretched_readings"]
+
+# The frames of stretched shapes have followed: this share of the usual drift is left.
+DRIFT = 0.6
+
+
+def stretched_readings(search: Search) -> Iterator[Reading]:
+    """Yield readings of the suspect as it was before a small stretch, whose lock is credible."""
+    shapes = Shapes(search.surface)
+    steps = LOCK_STEPS if search.wide else LOCK_STEPS[:LARGE_STEPS]
+    for hypothesis in hypotheses(search, shapes, stretched(search.surface.points)):
+        yield from grown_readings(shapes, hypothesis, steps, DRIFT, search.trials.charge())
