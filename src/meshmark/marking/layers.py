@@ -31,7 +31,7 @@ from meshmark.ownership.embedding import diagonal_of, displacement_rms
 from meshmark.ownership.extraction import extract
 from meshmark.ownership.parameters import SPACINGS, STEPS
 from meshmark.ownership.results import Embedding
-from meshmark.scene.distinct import distinct, scene_of
+from meshmark.scene.distinct import as_shown, distinct, scene_of
 from meshmark.strengths import BUDGETS
 from meshmark.threads import on_one_thread
 
@@ -264,7 +264,7 @@ def _marked_for(below: Embedding, original: Mesh, key: Key, content: Asked, plan
     moved = (marked.points != surface.points).any(axis=1)[surface.point_of_vertex]
     vertices = np.where(moved[:, None], marked.points[surface.point_of_vertex], mesh.vertices)
     result = mesh.with_vertices(conform(original, vertices))
-    if not authentic(found := examine(result, key), below.id):
+    if not authentic(found := examine(as_shown(result), key), below.id):
         raise _UnreadError(
             "the marks of authentication cannot be read back from the positions the file can hold"
         )

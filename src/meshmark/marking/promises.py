@@ -15,6 +15,7 @@ from meshmark.authentication.examination import examine
 from meshmark.coding.keys import Key
 from meshmark.marking.verification import authentic
 from meshmark.mesh import FloatArray, Mesh
+from meshmark.scene.distinct import as_shown
 
 __all__ = ["ROUNDINGS", "broken_by"]
 
@@ -88,6 +89,6 @@ def broken_by(mesh: Mesh, key: Key, identity: int, bears: Iterable[str], error: 
         rounded = rounding(mesh.vertices)
         if name != "turned" and np.abs(rounded - mesh.vertices).max() <= _HARMLESS * error:
             continue
-        if not authentic(examine(mesh.with_vertices(rounded), key), identity):
+        if not authentic(examine(as_shown(mesh.with_vertices(rounded)), key), identity):
             return called
     return None

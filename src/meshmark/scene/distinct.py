@@ -25,7 +25,7 @@ from meshmark.io.save import conform
 from meshmark.io.source import SourceFile
 from meshmark.mesh import FloatArray, IntArray, Mesh
 
-__all__ = ["Distinct", "Piece", "distinct", "scene_of"]
+__all__ = ["Distinct", "Piece", "as_shown", "distinct", "scene_of"]
 
 # A vertex is the image of another one where it lies this near its place, over the largest coordinate.
 _SAME = 1e-9
@@ -218,6 +218,12 @@ class _Once(_Inner):
 def scene_of(mesh: Mesh) -> Distinct | None:
     """Return the scene that a mesh made by `distinct` was taken from, None for any other."""
     return mesh.document.distinct if isinstance(mesh.document, _Once) else None
+
+
+def as_shown(mesh: Mesh) -> Mesh:
+    """Return the whole scene for a mesh that stands for its copies, any other mesh itself."""
+    found = scene_of(mesh)
+    return mesh if found is None else found.whole(mesh.vertices)
 
 
 def distinct(mesh: Mesh) -> Distinct | None:
