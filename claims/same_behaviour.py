@@ -72,7 +72,7 @@ def behaviour(source: Path, number: int, key_number: int, folder: Path) -> dict[
     """Return what every command does with one model and one key."""
     model, key, suffix = prepared(source, number, folder), folder / "a.key", ""
     suffix = "".join(model.suffixes[-2:]) if model.suffix == ".gz" else model.suffix
-    key.write_text(KEYS[key_number] + "\n")
+    key.write_text(f"meshmark key 1\n{KEYS[key_number]}\n")
     key.chmod(0o600)
     marked, edited = folder / f"marked{suffix}", folder / f"edited{suffix}"
     whole, bare, certificate = folder / f"whole{suffix}", folder / f"bare{suffix}", folder / "a.cert"
