@@ -110,8 +110,8 @@ def main() -> int:
                     seconds[case].append(perf_counter() - start)
                     best[case].append(found := errors(frames, suspect, unmoved, home))
                     if not found or found[0] > GOOD:
-                        told = ", ".join(f"{error:.3f}" for error in found) or "no frame"
-                        missed.append(f"{attack} ({reference}, {placing}: {told})")
+                        listed = ", ".join(f"{error:.3f}" for error in found) or "no frame"
+                        missed.append(f"{attack} ({reference}, {placing}: {listed})")
         print(f"{name:28s} {len(welded.points):>6} points  {'; '.join(missed) or 'all'}", flush=True)
     return report(options.attacks, options.references, best, seconds)
 
@@ -140,8 +140,8 @@ def report(
                 first = np.array([found[0] if found else np.inf for found in cases])
                 nearest = np.array([min(found, default=np.inf) for found in cases])
                 shares = [(first < GOOD).mean(), (first < FINE).mean(), (nearest < GOOD).mean()]
-                told = " / ".join(f"{100 * share:.0f} %" for share in shares)
-                cells.append(f"{told} / {np.median(seconds[attack, reference, placing]):.1f}")
+                listed = " / ".join(f"{100 * share:.0f} %" for share in shares)
+                cells.append(f"{listed} / {np.median(seconds[attack, reference, placing]):.1f}")
                 bar = BARS.get(attack) if reference == "certificate" else None
                 missed += bar is not None and shares[2] < bar
             print(f"| {attack} | {len(best[attack, reference, PLACINGS[0]])} |", " | ".join(cells), "|")

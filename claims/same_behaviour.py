@@ -31,13 +31,13 @@ LEFT_OUT = ("seconds", "version")
 
 
 def models() -> list[Path]:
-    """Return 24 training models: every third by size up to 30,000 points, textured ones, and small polygon soups."""
+    """Return 24 training models: every third by size up to 30,000 points, textured ones, and small polygon coarse."""
     classic = sorted((DATA / "models" / "train").glob("*"), key=lambda path: path.stat().st_size)
-    soups = sorted((DATA / "psb" / "train").glob("*"), key=lambda path: path.stat().st_size)
+    coarse = sorted((DATA / "psb" / "train").glob("*"), key=lambda path: path.stat().st_size)
     textured = sorted((DATA / "textured").glob("*"))
     return [
         *classic[: 2 * len(classic) // 3 : 2][:12],
-        *soups[len(soups) // 2 :: len(soups) // 12][:6],
+        *coarse[len(coarse) // 2 :: len(coarse) // 12][:6],
         *textured[::2][:6],
     ]
 

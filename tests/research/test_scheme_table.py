@@ -85,13 +85,13 @@ def test_a_file_is_a_scheme_under_its_path(alone):
 
 
 def test_a_file_that_was_changed_is_another_scheme(alone):
-    before = mm.SCHEMES.told(str(alone))
-    assert mm.SCHEMES.told(str(alone)) == before
+    before = mm.SCHEMES.described(str(alone))
+    assert mm.SCHEMES.described(str(alone)) == before
     alone.write_text(ALONE.replace('"Toy"', '"Newer toy"'))
     assert mm.SCHEMES[str(alone)].title == "Newer toy"
     alone.write_text(ALONE.replace("3, np.uint8", "3, dtype=np.uint8"))
-    assert mm.SCHEMES.told(str(alone)) != before
-    assert mm.SCHEMES.told(str(alone)).startswith("Toy (nowhere, file ")
+    assert mm.SCHEMES.described(str(alone)) != before
+    assert mm.SCHEMES.described(str(alone)).startswith("Toy (nowhere, file ")
 
 
 @pytest.mark.parametrize(

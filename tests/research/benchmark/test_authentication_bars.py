@@ -198,8 +198,8 @@ def test_rates_add_up_over_trials_and_areas_over_models(tmp_path):
     assert not met
 
 
-def test_every_figure_belongs_to_a_bar_of_the_issue():
-    assert {bar.number for bar in FIGURES.values()} == set(range(1, 11))
+def test_every_figure_is_measured_by_a_name_of_the_command_line():
+    assert {bar.measured_by for bar in FIGURES.values()} == set(program.BARS)
 
 
 def test_the_program_prints_one_table_and_exits_1_where_a_bar_is_missed(
