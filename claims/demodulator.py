@@ -6,6 +6,8 @@ Readings come after a lattice lock that succeeded. Columns: share of wrong signs
 information at the best scale of each rule, and in dB over the cosine), and the share of ids decoded when only a
 part of the carriers is used: half of the carriers are 3 dB less energy. Readings in which the nearest points are
 lost before the phase correction are left out.
+
+No page quotes its figures yet; docs/claims.md says what it prints.
 """
 
 from __future__ import annotations

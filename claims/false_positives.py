@@ -3,6 +3,8 @@
 python -m claims.false_positives [--trials 2000] [--workers 2] [--folders models/test psb/test] [--plot SVG]
 
 After --minutes M no further model is begun; the table is of the trials made until then.
+
+Figures of docs/results/false-positives.md.
 """
 
 from __future__ import annotations

@@ -5,6 +5,8 @@ python -m claims.published [--least 45000] [--most 56000] [--folder models/test]
 
 Models about as large as Venus. Read blind; a mark that is refused or not found counts as 0.5. Bold: above the
 better of the two published columns.
+
+Figures of docs/results/published.md.
 """
 
 from __future__ import annotations

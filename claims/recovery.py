@@ -8,6 +8,8 @@ error of the altered part is the RMS distance, both ways and over the diagonal: 
 and of the original's vertices that were moved or lost from the model. Columns: medians before and after, the worst
 after, how many times smaller; for edits that move vertices only, the RMS distance of each from its own place; the
 slowest.
+
+Figures of docs/decisions/0007-payload-recovery.md.
 """
 
 from __future__ import annotations

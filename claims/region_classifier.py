@@ -5,6 +5,8 @@ python -m claims.region_classifier [--folder models/test] [--most-points 16000] 
 Each model is marked and edited locally in several ways. Columns: regions, and of these the altered ones; area
 under the ROC curve of the rule and of the network; and at the network's threshold, and at the rule's of one in a
 thousand, intact regions called altered and altered regions called intact.
+
+Figures of docs/decisions/0010-layers-and-regions.md.
 """
 
 from __future__ import annotations

@@ -6,6 +6,8 @@ The plain model stands for the marked one. Each attack is made on it, and the re
 random similarity. The truth is known, because these attacks leave the rest where it was: the error is the RMS
 distance, over the suspect's vertices and in units of the model's scale, between the canonical coordinates that the
 best starting frame gives and the true ones.
+
+No page quotes its figures yet; docs/claims.md says what it prints.
 """
 
 from __future__ import annotations

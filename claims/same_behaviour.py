@@ -6,6 +6,8 @@
 24 training models of all sizes, each in one of the seven formats or gzipped, with two keys: `embed`, `extract`,
 `authenticate` (as marked and after a local edit), `recover` and `unmark`. SHA-256 of the files, JSON answers without
 times and versions. Certificates hold undo data that is encrypted; the files that `unmark` makes of them are compared.
+
+Figures of docs/decisions/0018-layout.md.
 """
 
 from __future__ import annotations

@@ -29,8 +29,9 @@ class Row:
 
 @dataclass(frozen=True)
 class Bar:
-    """measured_by: the name on the command line. kind: what is compared with the target. A rate is that of all trials; an area that under
-    the ROC curve of scores, rows of the detail "touched" and "untouched". against: a figure that is the target.
+    """measured_by: the name on the command line. kind: what is compared with the target. A rate is that of all
+    trials; an area that under the ROC curve of scores, rows of the detail "touched" and "untouched". against: a
+    figure that is the target.
     """
 
     measured_by: str
