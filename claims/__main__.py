@@ -40,8 +40,8 @@ COMMANDS = {
     "same_behaviour": "docs/decisions/0018-layout.md",
 }
 ALONE = {
-    "authenticate_speed", "by_hand", "compressed_gltf", "costa", "false_alarms", "hostile", "princeton", "published",
-    "registration", "rivals_sanity", "same_behaviour",
+    "authenticate_speed", "by_hand", "compressed_gltf", "costa", "false_alarms", "hostile", "princeton",
+    "published", "registration", "rivals_sanity", "same_behaviour",
 }  # fmt: skip
 
 
@@ -50,7 +50,9 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--list", action="store_true", help="name all measurements and the pages they are for")
+    parser.add_argument(
+        "--list", action="store_true", help="name all measurements and the pages they are for"
+    )
     if parser.parse_args(arguments).list:
         for name, page in COMMANDS.items():
             print(f"python -m claims.{name:20} {page}{' (by itself only)' if name in ALONE else ''}")

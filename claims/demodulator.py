@@ -108,7 +108,7 @@ def report(rows: list[tuple[str, Trial, dict[str, list[bool]]]]) -> int:
         rates = np.mean([rows[i][2][name] for i in groups["all"]], axis=0)
         print(f"| {name} |", " | ".join(f"{100 * rate:.1f} %" for rate in rates), "|")
     print(
-        f"\nreadings that only the phase correction finds, left out above: {len(saved)} ({', '.join(sorted(set(saved)))})"
+        f"\nreadings that only the phase correction finds, left out: {len(saved)} ({', '.join(sorted(set(saved)))})"
     )
     fewer, gain = bar["smoothing and noise"]
     met = fewer >= FEWER_ERRORS or gain >= DECIBELS

@@ -24,7 +24,7 @@ from meshmark.errors import MeshmarkError
 from meshmark.research.benchmark.figures.labels import label
 from meshmark.research.schemes import SCHEMES
 
-# Venus, 64 bits: Cho, Prost, Jung 2007 at 0.008 % MRMS, volume moments 2011 at 0.069 % (docs/design.md, section 11).
+# Venus, 64 bits: Cho, Prost, Jung 2007 at 0.008 % MRMS, volume moments 2011 at 0.069 %: docs/design.md, section 11.
 PUBLISHED = {
     "noise:0.0005": (0.01, 0.0),
     "noise:0.001": (0.03, 0.01),

@@ -122,7 +122,9 @@ def table(
         good &= holds
         target = f"  {low:g} to {high:g}: {'yes' if holds else 'NO'}" if chain in bars else ""
         beside = "" if claimed is None else f"{claimed:.2f}"
-        print(f"    {chain:<16}{beside:>10}" + "".join(f"{rate:>16.3f}" for rate in rates) + target, flush=True)
+        print(
+            f"    {chain:<16}{beside:>10}" + "".join(f"{rate:>16.3f}" for rate in rates) + target, flush=True
+        )
     return good
 
 

@@ -1,8 +1,6 @@
 """Research: schemes and rivals, ablation, training and the benchmark; the product never imports it.
 
-    from meshmark.research import SCHEMES
-
-    marked = SCHEMES["cho_mean"].embed(mesh, bits, key)
+`from meshmark.research import SCHEMES` is the table of schemes: `SCHEMES["cho_mean"].embed(mesh, bits, key)`.
 """
 
 from __future__ import annotations

@@ -12,7 +12,7 @@ from meshmark.research.benchmark.page.layout import NOTHING, Cell, Table, number
 from meshmark.research.benchmark.paper.measured import db_estimate, share_cell
 from meshmark.research.training.region_training import area_under_curve
 
-__all__ = ["Figures", "area", "map_table", "in_words", "verdict_table"]
+__all__ = ["Figures", "area", "in_words", "map_table", "verdict_table"]
 
 Figures = Mapping[str, Mapping[str, Any]]
 

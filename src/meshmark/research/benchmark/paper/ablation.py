@@ -10,7 +10,13 @@ from meshmark.research.ablation.modules import EMBEDDINGS, PAPER
 from meshmark.research.benchmark.figures.intervals import mean
 from meshmark.research.benchmark.figures.labels import label
 from meshmark.research.benchmark.page.layout import NOTHING, Cell, Table
-from meshmark.research.benchmark.paper.ablated_regions import Figures, area, map_table, in_words, verdict_table
+from meshmark.research.benchmark.paper.ablated_regions import (
+    Figures,
+    area,
+    in_words,
+    map_table,
+    verdict_table,
+)
 from meshmark.research.benchmark.paper.compared import standing
 from meshmark.research.benchmark.paper.measured import OWN, Group, Measured, db_cell, share_cell
 from meshmark.research.benchmark.paper.published_claims import ABLATION, DOUBTS

@@ -24,9 +24,9 @@ _PATIENCE = 1.0
 
 
 class WorkerPool:
-    """A fixed number of workers; `submit` gives a job to a free one, `finished` waits for results. A context manager.
+    """A fixed number of workers, as a context manager.
 
-    Raises `InputError` where pebble is missing.
+    `submit` gives a job to a free one, `finished` waits for results. Raises `InputError` where pebble is missing.
     """
 
     def __init__(self, workers: int, setup: Setup, time_limit: float) -> None:
