@@ -1,4 +1,4 @@
-"""Authentication, recovery and unmarking, measured beside the bars they are held to: docs/results/authentication.md.
+"""Authentication, recovery and unmarking, beside the bars they are held to: docs/results/authentication.md.
 
     python -m claims.authentication BAR... [--folder models/test] [--limit N] [--skip N] [--minutes M]
         [--draws BAR=N ...] [--most-points N] [--seed N] [--rows FILE.csv]

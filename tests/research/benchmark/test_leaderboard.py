@@ -23,7 +23,8 @@ def rows(errors=ERRORS) -> list[Row]:
                 case = Case("robust", name, f"test/m{i}.ply", "standard", attack, "marked", 0)
                 made.append(
                     Row(case=case, status="ok", points=900, size_class="500-2,500", split="test",
-                        rms_over_diagonal=7e-4, ber=share + 0.001 * i * (share > 0), present=share < 0.2, recovered=share == 0.0)
+                        rms_over_diagonal=7e-4,
+                        ber=share + 0.001 * i * (share > 0), present=share < 0.2, recovered=share == 0.0)
                 )  # fmt: skip
     return made
 
