@@ -32,7 +32,7 @@ def texts() -> dict[Path, str]:
     ("text", "expected"),
     [
         ("see `cells.py` and ownership/carriers/lock.py.", ["cells.py", "ownership/carriers/lock.py"]),
-        ("`io/gltf_*.py`, ../shared/a.py, my nudge.py", []),
+        ("`io/gltf_*.py`, ../shared/data/a.py, my nudge.py", []),
         ("tools/validate_gltf.mjs", ["tools/validate_gltf.mjs"]),
     ],
 )

@@ -188,9 +188,9 @@ def test_rates_add_up_over_trials_and_areas_over_models(tmp_path):
     append(rows[4:], tmp_path / "rows.csv")
     assert load_rows(tmp_path / "rows.csv") == rows
     text, met = table(rows)
-    assert "| 4 | pasted part flagged | 39 of 40 (97.50 %)" in text
+    assert "| pastes | pasted part flagged | 39 of 40 (97.50 %)" in text
     assert (
-        "| 10 | ROC area of the network | 0.50000 | 2 touched, 1 untouched | at least 1.00000, the rule's |"
+        "| roc | ROC area of the network | 0.50000 | 2 touched, 1 untouched | at least 1.00000, the rule's |"
         in text
     )
     assert "| edits | 2 | 4 | 4 | 7 |" in text

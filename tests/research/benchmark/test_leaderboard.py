@@ -63,7 +63,7 @@ def test_the_page_is_made_by_one_command(tmp_path, capsys):
     (tmp_path / "results.csv").write_text(results_csv(rows()))
     assert main([str(tmp_path / "results.csv"), str(tmp_path / "page.md")]) == 0
     page = (tmp_path / "page.md").read_text(encoding="utf-8")
-    assert re.search(r"Made by `python -m meshmark\.benchmark\.leaderboard results\.csv`", page)
+    assert re.search(r"Made by `python -m meshmark\.research\.benchmark\.leaderboard results\.csv`", page)
     assert main([str(tmp_path / "results.csv")]) == 0
     assert capsys.readouterr().out == page
     assert main([]) == 2
