@@ -1,33 +1,68 @@
-"""All measurements, one after the other: `make bench`."""
+"""The measurements behind the published figures: `python -m claims` runs them (`make bench`), `--list` names them.
+
+Each is a command of its own, `python -m claims.NAME`; docs/claims.md says what each prints and how long it takes.
+"""
 
 from __future__ import annotations
 
+import argparse
 import subprocess
 import sys
 
-MEASUREMENTS = (
-    "roundtrip",
-    "gltf_validity",
-    "saliency_speed",
-    "embed_speed",
-    "clean_channel",
-    "false_positives",
-    "code",
-    "demodulator",
-    "region_classifier",
-    "metrics_validation",
-    "marks",
-    "recovery",
-    "authentication",
-)
+__all__ = ["ALONE", "COMMANDS", "main"]
+
+# Name -> the page that quotes its figures. Those in ALONE need arguments, days, or a commit to compare with, so
+# `make bench` leaves them out.
+COMMANDS = {
+    "authenticate_speed": "docs/results/authentication.md",
+    "authentication": "docs/results/authentication.md",
+    "by_hand": "docs/decisions/0015-by-hand-or-library.md",
+    "clean_channel": "docs/results/clean-channel.md",
+    "code": "docs/decisions/0004-code.md",
+    "compressed_gltf": "docs/decisions/0002-compressed-gltf.md",
+    "costa": "docs/results/ownership.md",
+    "demodulator": "docs/claims.md",
+    "embed_speed": "docs/claims.md",
+    "false_alarms": "docs/decisions/0008-authentication-marks.md",
+    "false_positives": "docs/results/false-positives.md",
+    "gltf_validity": "docs/claims.md",
+    "hostile": "docs/decisions/0016-odd-files.md",
+    "marks": "docs/decisions/0008-authentication-marks.md",
+    "metrics_validation": "docs/decisions/0005-metrics.md",
+    "princeton": "docs/claims.md",
+    "published": "docs/results/published.md",
+    "recovery": "docs/decisions/0007-payload-recovery.md",
+    "region_classifier": "docs/decisions/0010-layers-and-regions.md",
+    "registration": "docs/claims.md",
+    "rivals_sanity": "docs/results/rivals-sanity.txt",
+    "roundtrip": "docs/decisions/0016-odd-files.md",
+    "saliency_speed": "docs/claims.md",
+    "same_behaviour": "docs/decisions/0018-layout.md",
+}
+ALONE = {
+    "authenticate_speed", "by_hand", "compressed_gltf", "costa", "false_alarms", "hostile", "princeton",
+    "published", "registration", "rivals_sanity", "same_behaviour",
+}  # fmt: skip
 
 
-def main() -> int:
-    """Run every benchmark in a process of its own; exit 1 where one missed its bar."""
+def main(arguments: list[str] | None = None) -> int:
+    """Run each measurement in a process of its own; exit 1 where one missed its bar."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument(
+        "--list", action="store_true", help="name all measurements and the pages they are for"
+    )
+    if parser.parse_args(arguments).list:
+        for name, page in COMMANDS.items():
+            print(f"python -m claims.{name:20} {page}{' (by itself only)' if name in ALONE else ''}")
+        return 0
     failed = []
-    for name in MEASUREMENTS:
+    for name in COMMANDS:
+        if name in ALONE:
+            continue
         print(f"\n== python -m claims.{name}", flush=True)
-        if subprocess.run([sys.executable, "-m", f"benchmarks.{name}"], check=False).returncode:
+        if subprocess.run([sys.executable, "-m", f"claims.{name}"], check=False).returncode:
             failed.append(name)
     if failed:
         print("missed a bar:", ", ".join(failed))

@@ -6,6 +6,8 @@ Prints, for 50,085 points (and with --large for 775,730): seconds of trimesh's l
 the same marked file and authenticating it, and of that with the table of its regions (`--json`), and their ratios
 (bar: 2 times at 50,000 points, 3 times at 775,000). In a folder that is given marked models are kept for the next
 run.
+
+Figures of docs/results/authentication.md.
 """
 
 from __future__ import annotations

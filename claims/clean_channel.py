@@ -2,6 +2,8 @@
 
 python -m claims.clean_channel [--folders models/test psb/test] [--strength standard] [--workers 2]
     [--limit N] [--variants none similarity ...]
+
+Figures of docs/results/clean-channel.md.
 """
 
 from __future__ import annotations

@@ -7,6 +7,8 @@ compressed files broken ones are made; what reading them does is counted and its
 
 NODE is a folder after `npm install --prefix NODE @gltf-transform/cli@4.5 gltfpack meshoptimizer draco3dgltf`.
 Exit code 1 where an id is missed, a bit differs, or a broken file crashes, takes over 30 s or over 1 GB.
+
+Figures of docs/decisions/0002-compressed-gltf.md.
 """
 
 from __future__ import annotations
@@ -73,7 +75,7 @@ class Row:
     equal: int = 0
     before: int = 0
     after: int = 0
-    told: list[str] = field(default_factory=list)
+    messages: list[str] = field(default_factory=list)
 
 
 def marked(source: Path, folder: Path) -> tuple[Path, int] | None:
@@ -181,7 +183,7 @@ def measure_forms(
             print(f"{source.name}, {form}", end="\r", file=sys.stderr, flush=True)
             out = compressed(model[0], form, node)
             if out is None:
-                rows[form].told.append(f"{source.name}: the tool fails")
+                rows[form].messages.append(f"{source.name}: the tool fails")
                 continue
             made.append(out)
             row, document = rows[form], parse_glb(out.read_bytes(), out)
@@ -233,7 +235,7 @@ def main() -> int:
         for form, row in rows.items():
             share = row.after / row.before if row.before else 0
             print(f"{form:20} {row.files:5} {row.found:8} {row.equal:17} {share:6.2f}")
-            print(*row.told, sep="\n", end="\n" if row.told else "")
+            print(*row.messages, sep="\n", end="\n" if row.messages else "")
         whole = all(row.found == row.equal == row.files for row in rows.values())
         safe = measure_hostile(made, given.hostile, Path(name)) if given.hostile else True
     return int(not (whole and safe))

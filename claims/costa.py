@@ -6,6 +6,8 @@ A mark of power W in N vertices under noise of power Z can carry 0.5 N log2(1 + 
 does not know the host (Costa 1983, doi:10.1109/TIT.1983.1056659). For 64 bits W / Z must be 2^(128 / N) - 1 at
 least. The distance is the W / Z at which a model was last read exactly, over that: the strongest noise attack it
 survived. Only displacement along normals counts, so of the noise a third; the mark is taken to lie along normals.
+
+Figures of docs/results/ownership.md.
 """
 
 from __future__ import annotations

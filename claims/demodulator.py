@@ -1,11 +1,13 @@
-"""The soft demodulator against the rules it replaces, on held-out models (issue 4, bar 3).
+"""The soft demodulator against the rules it replaces, on held-out models.
 
 python -m claims.demodulator [--folder models/test] [--most-points 20000] [--limit N] [--seed N]
 
 Readings come after a lattice lock that succeeded. Columns: share of wrong signs, bits per carrier (mutual
 information at the best scale of each rule, and in dB over the cosine), and the share of ids decoded when only a
 part of the carriers is used: half of the carriers are 3 dB less energy. Readings in which the nearest points are
-lost before settling are left out.
+lost before the phase correction are left out.
+
+No page quotes its figures yet; docs/claims.md says what it prints.
 """
 
 from __future__ import annotations
@@ -30,7 +32,7 @@ RULES: dict[str, Callable[[Trial], FloatArray]] = {
     "sign": lambda t: np.sign(np.cos(t.phase)),
     "cosine": lambda t: np.cos(t.phase),
     "wrapped normal": lambda t: log_likelihood_ratio(t.phase),
-    "settled cosine": lambda t: np.cos(settled_phase(t.phase, t.cells, t.step, t.relief)),
+    "corrected cosine": lambda t: np.cos(settled_phase(t.phase, t.cells, t.step, t.relief)),
     "network": lambda t: demodulate(t.phase, t.cells, t.step, t.relief),
 }
 # Shares of the carriers that are decoded from; dB = 10 log10(share).
@@ -72,7 +74,7 @@ def measure(paths: Sequence, most_points: int, seed: int) -> list[tuple[str, Tri
 def report(rows: list[tuple[str, Trial, dict[str, list[bool]]]]) -> int:
     """Print the tables; exit 1 where the bar is missed."""
     groups: dict[str, list[int]] = defaultdict(list)
-    saved: list[str] = []  # found by settling only; the cosine would look too bad with them
+    saved: list[str] = []  # found by the phase correction only; the cosine would look too bad with them
     for i, (_, trial, _ids) in enumerate(rows):
         if raw_errors(np.cos(trial.phase), trial.targets) > LOST:
             saved.append(f"{trial.attack}:{trial.strength:g}")
@@ -91,9 +93,9 @@ def report(rows: list[tuple[str, Trial, dict[str, list[bool]]]]) -> int:
         base = max(information(joined["cosine"], targets), 1e-6)
         cells = []
         for values in joined.values():
-            told, wrong = information(values, targets), raw_errors(values, targets)
-            gain = 10.0 * np.log10(max(told, 1e-6) / base)
-            cells.append(f"{100 * wrong:.2f} %, {told:.3f}, {gain:+.2f}")
+            bits, wrong = information(values, targets), raw_errors(values, targets)
+            gain = 10.0 * np.log10(max(bits, 1e-6) / base)
+            cells.append(f"{100 * wrong:.2f} %, {bits:.3f}, {gain:+.2f}")
         print(f"| {group} | {len(index)} |", " | ".join(cells), "|")
         bar[group] = (
             1.0 - raw_errors(joined["network"], targets) / max(raw_errors(joined["cosine"], targets), 1e-9),
@@ -106,7 +108,7 @@ def report(rows: list[tuple[str, Trial, dict[str, list[bool]]]]) -> int:
         rates = np.mean([rows[i][2][name] for i in groups["all"]], axis=0)
         print(f"| {name} |", " | ".join(f"{100 * rate:.1f} %" for rate in rates), "|")
     print(
-        f"\nreadings that only settling finds, left out above: {len(saved)} ({', '.join(sorted(set(saved)))})"
+        f"\nreadings that only the phase correction finds, left out: {len(saved)} ({', '.join(sorted(set(saved)))})"
     )
     fewer, gain = bar["smoothing and noise"]
     met = fewer >= FEWER_ERRORS or gain >= DECIBELS

@@ -5,6 +5,8 @@ python -m claims.embed_speed [--repeats 5]
 Prints, for about 35,000, 190,000 and 775,000 points: seconds and the ratio to trimesh, for reading an OBJ file,
 marking it, writing it and reading it back (bar: 3 times at 35,000), and for reading and extracting (bar: 1 time);
 the exponent with which both grow; and the peak memory of the largest, each step in a process of its own.
+
+No page quotes its figures yet; docs/claims.md says what it prints.
 """
 
 from __future__ import annotations

@@ -3,8 +3,10 @@
 python -m claims.false_alarms --store FILE.csv [--models models/test psb/test:100 textured] [--workers 2]
 
 One row a model, layers and tolerance; rows that are in the store are not made again, so a run that was stopped
-goes on. psb/test:100 stands for a seeded 100 of that folder. With --minutes M no row is begun after so long.
+goes on. psb/test:100 stands for a seeded 100 of that folder. After --minutes M no further row is begun.
 Prints a table of trials and alarms with 95 % upper bounds; exits 1 where there was an alarm.
+
+Figures of docs/decisions/0008-authentication-marks.md.
 """
 
 from __future__ import annotations

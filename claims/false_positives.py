@@ -2,7 +2,9 @@
 
 python -m claims.false_positives [--trials 2000] [--workers 2] [--folders models/test psb/test] [--plot SVG]
 
-With --minutes M no model is begun after so long: the trials there are at the end are all that were made.
+After --minutes M no further model is begun; the table is of the trials made until then.
+
+Figures of docs/results/false-positives.md.
 """
 
 from __future__ import annotations

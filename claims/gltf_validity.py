@@ -3,6 +3,8 @@
 Run: python -m claims.gltf_validity. Reads every .glb and .gltf in ../shared/data that can be read,
 moves every vertex a little, writes, and runs `tools/validate_gltf.mjs` on both. Needs node and
 `npm install --prefix tools`.
+
+No page quotes its figures yet; docs/claims.md says what it prints.
 """
 
 from __future__ import annotations

@@ -5,6 +5,8 @@ Without folders: `count` model files drawn from ../shared/data/hostile, and all 
 Each command is a process of its own with limits on processor time and memory. What is authenticated is the marked
 file, or the file itself where it cannot be marked. Interrupted? Run it again: what is in the store is not repeated;
 --again repeats what failed.
+
+Figures of docs/decisions/0016-odd-files.md.
 """
 
 from __future__ import annotations

@@ -1,10 +1,12 @@
-"""Marks of the authentication layer on the training models of 2,500 points and more (decision 0008).
+"""Marks of the authentication layer on the training models of 2,500 points and more.
 
     python -m claims.marks [--models NAME,...] [--no-edits]
 
 Prints, model by model and then over all: the layer's PSNR, bits per mark and payload bits per point, points
 that fail though nothing was done to them under every benign operation, marks that hold by chance, how surely a
 single moved point is seen, and how well the map finds local edits. Exits 1 where a bar is missed.
+
+Figures of docs/decisions/0008-authentication-marks.md.
 """
 
 from __future__ import annotations

@@ -3,6 +3,8 @@
 python -m claims.metrics_validation [--pairs bimba cow_simp50 ...]
 
 Exit 1 where a value is outside its tolerance: MSDM2 3e-4 (cow 2e-3), distances 2 %.
+
+Figures of docs/decisions/0005-metrics.md.
 """
 
 from __future__ import annotations

@@ -6,6 +6,8 @@ Each model is marked with the default options and a key of its own, in a process
 row is written as soon as its model is done; run it again to continue an interrupted run. The models come in an
 order in which any first few are spread over sizes. At the end, or at once with --tables, two tables are printed:
 outcomes by size class, and reasons of the models that were not marked with both layers.
+
+No page quotes its figures yet; docs/claims.md says what it prints.
 """
 
 from __future__ import annotations

@@ -5,6 +5,8 @@ python -m claims.published [--least 45000] [--most 56000] [--folder models/test]
 
 Models about as large as Venus. Read blind; a mark that is refused or not found counts as 0.5. Bold: above the
 better of the two published columns.
+
+Figures of docs/results/published.md.
 """
 
 from __future__ import annotations
@@ -22,7 +24,7 @@ from meshmark.errors import MeshmarkError
 from meshmark.research.benchmark.figures.labels import label
 from meshmark.research.schemes import SCHEMES
 
-# Venus, 64 bits: Cho, Prost, Jung 2007 at 0.008 % MRMS, volume moments 2011 at 0.069 % (DESIGN section 11).
+# Venus, 64 bits: Cho, Prost, Jung 2007 at 0.008 % MRMS, volume moments 2011 at 0.069 %: docs/design.md, section 11.
 PUBLISHED = {
     "noise:0.0005": (0.01, 0.0),
     "noise:0.001": (0.03, 0.01),

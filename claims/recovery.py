@@ -1,4 +1,4 @@
-"""Recovery of local edits, by a miniature of one bit a vertex (issue 5, bar 6): `python -m claims.recovery`.
+"""Recovery of local edits, by a miniature of one bit a vertex: `python -m claims.recovery`.
 
 [--folder models/train] [--least-points 2500] [--most-points 60000] [--limit N] [--edits bump ...]
 [--shares 0.02 ...] [--seed N] [--bits 1.0]
@@ -8,6 +8,8 @@ error of the altered part is the RMS distance, both ways and over the diagonal: 
 and of the original's vertices that were moved or lost from the model. Columns: medians before and after, the worst
 after, how many times smaller; for edits that move vertices only, the RMS distance of each from its own place; the
 slowest.
+
+Figures of docs/decisions/0007-payload-recovery.md.
 """
 
 from __future__ import annotations
@@ -129,10 +131,10 @@ def main() -> int:
         mesh = Mesh(welded.points, welded.faces)
         start = perf_counter()
         content = miniature(mesh.vertices, mesh.faces, int(options.bits * len(mesh.vertices) / 8))
-        told = (
+        size = (
             f"{len(content)} bytes, {len(read_miniature(content)[0])} points, {perf_counter() - start:.1f} s"
         )
-        print(f"{path.name.split('.')[0]}: {len(mesh.vertices)} points, miniature of {told}", flush=True)
+        print(f"{path.name.split('.')[0]}: {len(mesh.vertices)} points, miniature of {size}", flush=True)
         for edit in options.edits:
             for share in options.shares:
                 try:

@@ -1,10 +1,12 @@
-"""The distortion classifier against the binomial rule, on held-out models (issue 5, bars 2 and 10).
+"""The distortion classifier against the binomial rule, on held-out models.
 
 python -m claims.region_classifier [--folder models/test] [--most-points 16000] [--edits N] [--limit N]
 
 Each model is marked and edited locally in several ways. Columns: regions, and of these the altered ones; area
 under the ROC curve of the rule and of the network; and at the network's threshold, and at the rule's of one in a
 thousand, intact regions called altered and altered regions called intact.
+
+Figures of docs/decisions/0010-layers-and-regions.md.
 """
 
 from __future__ import annotations
@@ -69,9 +71,9 @@ def report(trials: Sequence[RegionTrial]) -> int:
     better = area_under_curve(net, truth) >= area_under_curve(rule, truth)
     home = np.concatenate([trial.home for trial in trials])
     false = float((((net > 0.0) | home) & ~truth)[~truth].mean())
-    print(f"\nbar 10, the network at least as good as the rule: {'met' if better else 'MISSED'}")
+    print(f"\nthe network at least as good as the rule: {'met' if better else 'MISSED'}")
     met = "met" if false <= MOST_FALSE else "MISSED"
-    print(f"bar 2, untouched regions called altered: {100 * false:.2f} %: {met}")
+    print(f"untouched regions called altered: {100 * false:.2f} %: {met}")
     return int(not better or false > MOST_FALSE)
 
 

@@ -6,6 +6,8 @@ The plain model stands for the marked one. Each attack is made on it, and the re
 random similarity. The truth is known, because these attacks leave the rest where it was: the error is the RMS
 distance, over the suspect's vertices and in units of the model's scale, between the canonical coordinates that the
 best starting frame gives and the true ones.
+
+No page quotes its figures yet; docs/claims.md says what it prints.
 """
 
 from __future__ import annotations
@@ -110,8 +112,8 @@ def main() -> int:
                     seconds[case].append(perf_counter() - start)
                     best[case].append(found := errors(frames, suspect, unmoved, home))
                     if not found or found[0] > GOOD:
-                        told = ", ".join(f"{error:.3f}" for error in found) or "no frame"
-                        missed.append(f"{attack} ({reference}, {placing}: {told})")
+                        listed = ", ".join(f"{error:.3f}" for error in found) or "no frame"
+                        missed.append(f"{attack} ({reference}, {placing}: {listed})")
         print(f"{name:28s} {len(welded.points):>6} points  {'; '.join(missed) or 'all'}", flush=True)
     return report(options.attacks, options.references, best, seconds)
 
@@ -140,8 +142,8 @@ def report(
                 first = np.array([found[0] if found else np.inf for found in cases])
                 nearest = np.array([min(found, default=np.inf) for found in cases])
                 shares = [(first < GOOD).mean(), (first < FINE).mean(), (nearest < GOOD).mean()]
-                told = " / ".join(f"{100 * share:.0f} %" for share in shares)
-                cells.append(f"{told} / {np.median(seconds[attack, reference, placing]):.1f}")
+                listed = " / ".join(f"{100 * share:.0f} %" for share in shares)
+                cells.append(f"{listed} / {np.median(seconds[attack, reference, placing]):.1f}")
                 bar = BARS.get(attack) if reference == "certificate" else None
                 missed += bar is not None and shares[2] < bar
             print(f"| {attack} | {len(best[attack, reference, PLACINGS[0]])} |", " | ".join(cells), "|")

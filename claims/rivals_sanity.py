@@ -3,12 +3,15 @@
     python -m claims.rivals_sanity [--schemes cho_mean,lsb,...] [--keys N] [NAMES OF TEST MODELS]
 
 cho_mean  as published (64 bins, no pilots) at the distortion of the mesh watermarking benchmark, 0.008 % MRMS,
-          beside its figures for Venus (DESIGN section 11), and at our two budgets; bit errors, the mean over keys.
+          beside its figures for Venus (docs/design.md, section 11), and at our two budgets; bit errors, the mean
+          over keys.
           Bars: clean 0; noise 0.5 % between 0.1 and 0.4; smoothing 50 passes and quantisation 7 bits above 0.3.
 lsb       clean 0, and chance (0.4 to 0.6) after a float32 re-encode or a similarity.
 mdaqim    reads after any rotation, scale and shift; its units verify, and those in an altered place do not.
 volume_moments  without pilots at 0.069 % MRMS, beside its figures for Venus; the step is known, or sought. Clean 0.
 deep3d    at our budgets, beside itself without refining; no figures are published for these attacks. Clean 0.
+
+Figures of docs/results/rivals-sanity.txt.
 """
 
 from __future__ import annotations
@@ -96,9 +99,9 @@ def moments(mesh: Mesh, keys: int) -> bool:
 def deep(mesh: Mesh, keys: int) -> bool:
     print("  deep3d; under () the published scheme, without refining")
     sets = {
-        f"0.{digits} % RMS{told}": (scheme, marks(scheme, mesh, keys, budget))
+        f"0.{digits} % RMS{variant}": (scheme, marks(scheme, mesh, keys, budget))
         for digits, budget in (("08", 8e-4), ("02", 2e-4))
-        for scheme, told in ((Deep3d(), ""), (Deep3d(refinements=0), " ()"))
+        for scheme, variant in ((Deep3d(), ""), (Deep3d(refinements=0), " ()"))
     }
     return table(dict.fromkeys(MOMENTS), sets, {"none": (0.0, 0.0)})
 
@@ -117,9 +120,11 @@ def table(
         low, high = bars.get(chain, (0.0, 1.0))
         holds = low <= rates[0] <= high
         good &= holds
-        told = f"  {low:g} to {high:g}: {'yes' if holds else 'NO'}" if chain in bars else ""
+        target = f"  {low:g} to {high:g}: {'yes' if holds else 'NO'}" if chain in bars else ""
         beside = "" if claimed is None else f"{claimed:.2f}"
-        print(f"    {chain:<16}{beside:>10}" + "".join(f"{rate:>16.3f}" for rate in rates) + told, flush=True)
+        print(
+            f"    {chain:<16}{beside:>10}" + "".join(f"{rate:>16.3f}" for rate in rates) + target, flush=True
+        )
     return good
 
 

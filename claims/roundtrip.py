@@ -2,6 +2,8 @@
 
 Run: python -m claims.roundtrip [--data ../shared/data]
 Each file is opened in a child process of its own with limits on time and memory: some of them are hostile.
+
+Figures of docs/decisions/0016-odd-files.md.
 """
 
 from __future__ import annotations

@@ -8,6 +8,8 @@ scales     the six scales of NC-DGG with the walk and the normals at hand: bar 1
 whole      edges, walk, areas, normals, six scales, beta: everything from points and faces;
 spectral   the Laplace-Beltrami route: cotangent Laplacian and 50 eigenpairs by shift-invert `eigsh`:
            bar: whole at most 1/5 of it. Left out above SPECTRAL_LIMIT points (factors of many gigabytes).
+
+No page quotes its figures yet; docs/claims.md says what it prints.
 """
 
 from __future__ import annotations

@@ -4,8 +4,11 @@
     python -m claims.same_behaviour compare before.json    # on the commit after; exit 1 where anything differs
 
 24 training models of all sizes, each in one of the seven formats or gzipped, with two keys: `embed`, `extract`,
-`authenticate` (as marked and after a local edit), `recover` and `unmark`. SHA-256 of the files, JSON answers without
-times and versions. Certificates hold undo data that is encrypted; the files that `unmark` makes of them are compared.
+`authenticate` (as marked and after a local edit), `recover` and `unmark`. SHA-256 of the files, JSON answers
+without times and versions. Certificates hold undo data that is encrypted; the files that `unmark` makes of them are
+compared.
+
+Figures of docs/decisions/0018-layout.md.
 """
 
 from __future__ import annotations
@@ -31,13 +34,13 @@ LEFT_OUT = ("seconds", "version")
 
 
 def models() -> list[Path]:
-    """Return 24 training models: every third by size up to 30,000 points, textured ones, and small polygon soups."""
+    """Return 24 training models: every third by size up to 30,000 points, textured ones, and polygon soups."""
     classic = sorted((DATA / "models" / "train").glob("*"), key=lambda path: path.stat().st_size)
-    soups = sorted((DATA / "psb" / "train").glob("*"), key=lambda path: path.stat().st_size)
+    coarse = sorted((DATA / "psb" / "train").glob("*"), key=lambda path: path.stat().st_size)
     textured = sorted((DATA / "textured").glob("*"))
     return [
         *classic[: 2 * len(classic) // 3 : 2][:12],
-        *soups[len(soups) // 2 :: len(soups) // 12][:6],
+        *coarse[len(coarse) // 2 :: len(coarse) // 12][:6],
         *textured[::2][:6],
     ]
 
@@ -77,7 +80,9 @@ def behaviour(source: Path, number: int, key_number: int, folder: Path) -> dict[
     marked, edited = folder / f"marked{suffix}", folder / f"edited{suffix}"
     whole, bare, certificate = folder / f"whole{suffix}", folder / f"bare{suffix}", folder / "a.cert"
     steps = {
-        "embed": run("embed", model, marked, "--key", key, "--id", IDS[key_number], "--certificate", certificate)
+        "embed": run(
+            "embed", model, marked, "--key", key, "--id", IDS[key_number], "--certificate", certificate
+        )
     }
     files = {"marked": marked}
     if marked.exists():
@@ -95,7 +100,9 @@ def behaviour(source: Path, number: int, key_number: int, folder: Path) -> dict[
 
 def main() -> int:
     """Record or compare."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("task", choices=("record", "compare"))
     parser.add_argument("file", type=Path)
     parser.add_argument("--limit", type=int, default=24)
@@ -125,7 +132,9 @@ def differences(before: Any, after: Any, place: str = "") -> list[str]:
     if isinstance(before, dict) and isinstance(after, dict):
         names = sorted(before.keys() | after.keys())
         return [
-            line for name in names for line in differences(before.get(name), after.get(name), f"{place}/{name}")
+            line
+            for name in names
+            for line in differences(before.get(name), after.get(name), f"{place}/{name}")
         ]
     return [] if before == after else [f"{place}: {str(before)[:80]} -> {str(after)[:80]}"]
 

@@ -27,7 +27,7 @@ def main() -> None:
     )
     parser.add_argument("--data", type=Path, action="append", required=True, help="folder of models")
     parser.add_argument("--out", type=Path, required=True, help="file of weights, .npz")
-    parser.add_argument("--limit", type=int, help="use only so many models of each folder")
+    parser.add_argument("--limit", type=int, help="largest number of models of each folder")
     parser.add_argument("--steps", type=int, default=1000)
     parser.add_argument("--seed", type=int, default=0)
     given = parser.parse_args()

@@ -1,14 +1,24 @@
-"""The bars of the authentication layer (issue 5), each by its own name, measured beside what it asks for.
+"""Authentication, recovery and unmarking, beside the bars they are held to: docs/results/authentication.md.
 
     python -m claims.authentication BAR... [--folder models/test] [--limit N] [--skip N] [--minutes M]
         [--draws BAR=N ...] [--most-points N] [--seed N] [--rows FILE.csv]
 
-BAR: benign (1), edits (2), moves (3), pastes (4), payloads (5 and 8), recovery (6), unmark (7), forgeries (9, lone
-marks 3), roc (10); all of them without one. Models come in a random order, so that the first N are a fair sample.
---minutes: no model is begun after so many. --draws: of each model only so many edits (edits, recovery: all 36
-without it; roc: 8) or tries (moves, forgeries: 10,000), drawn at random. --rows: measurements are added to this
-file, and the table is that of all in it. Exits 1 where one of the bars that were measured is missed. Below stands
-what each bar took. The speed of bar 11 is measured by `claims.authenticate_speed`.
+BAR is one of these; all of them without one.
+benign     benign operations leave a model authentic; PSNR of the layer alone
+edits      local edits are noticed, and where they are
+moves      single points moved are noticed
+pastes     parts pasted from marked models are noticed
+payloads   how much payload there is, when it is read back; an image byte by byte
+recovery   error of altered parts after `recover`
+unmark     error after `unmark`
+forgeries  parts forged without the key; lone marks guessed
+roc        the network and the binomial rule at telling touched regions from untouched ones
+
+Models come in a random order, so that the first N are a fair sample. --minutes: no further model is begun after M
+minutes. --draws: how many edits of each model (edits, recovery: all 36 without it; roc: 8) or tries (moves,
+forgeries: 10,000), drawn at random. --rows: measurements are added to this file, and the table is that of all in
+it. Exits 1 where one of the bars that were measured is missed. Below stands what each bar took.
+`claims.authenticate_speed` measures the speed.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Bar 1: benign operations leave a model authentic; the layer alone is not seen."""
+"""False alarms: benign operations leave a model authentic; the layer alone is not seen."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Bar 9: forgeries by one who knows the whole method, has marked models of the key, but not the key."""
+"""Forgeries: tries by one who knows the whole method, has marked models of the key, but not the key."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ Try = Callable[[FloatArray, np.random.Generator], bool]
 
 
 def measure(subject: Subject, draws: int | None) -> Iterator[Row]:
-    """Yield how many of so many tries of each kind are accepted; those with a lone mark apart."""
+    """Yield how many of a number of tries of each kind are accepted; those with a lone mark apart."""
     forger = Forger(subject)
     tries, lone = draws or TRIES, min(draws or TRIES, LONE_TRIES)
     for figure, kinds, count in (
@@ -90,7 +90,7 @@ class Forger:
         }
 
     def accepted(self, change: Try, count: int, rng: np.random.Generator) -> int:
-        """Return how many of so many tries `authenticate` calls authentic."""
+        """Return how many of these tries `authenticate` calls authentic."""
         points, at_once = self.surface.points, max(_AT_ONCE // len(self.surface.points), 1)
         accepted = done = 0
         while done < count:

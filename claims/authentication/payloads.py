@@ -1,4 +1,4 @@
-"""Bars 5 and 8: how much payload there is, when it is read back, and an image byte by byte."""
+"""Payload: how much payload there is, when it is read back, and an image byte by byte."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def measure(subject: Subject, _draws: int | None) -> Iterator[Row]:
 
 
 def _image(size: int, rng: np.random.Generator) -> bytes:
-    """Return a PNG thumbnail of exactly so many bytes; what is left to fill follows its end."""
+    """Return a PNG thumbnail of exactly this number of bytes; what is left to fill follows its end."""
     side = int(np.sqrt(size))
     while True:
         packed = io.BytesIO()

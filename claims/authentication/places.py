@@ -12,7 +12,7 @@ __all__ = ["around", "directions", "far_apart"]
 
 
 def around(graph: csr_array, point: int, steps: int) -> IntArray:
-    """Return the points within so many edges of a point."""
+    """Return the points within this number of edges of a point."""
     found = np.array([point])
     for _ in range(steps):
         rows = [graph.indices[graph.indptr[each] : graph.indptr[each + 1]] for each in found]
@@ -21,7 +21,7 @@ def around(graph: csr_array, point: int, steps: int) -> IntArray:
 
 
 def far_apart(graph: csr_array, allowed: NDArray[np.bool_], edges: int, rng: np.random.Generator) -> IntArray:
-    """Return points of `allowed` (p,) more than so many edges apart, drawn one by one, as many as find room.
+    """Return points of `allowed` (p,) more than this number of edges apart, drawn one by one, as many as find room.
 
     What one of them shows within half as many edges is its own.
     """

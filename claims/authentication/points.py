@@ -1,4 +1,4 @@
-"""Bar 3: single points moved, many far from each other in each check."""
+"""Moves: single points moved, many far from each other in each check."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class _Bench:
         self.step = STEP * checks.step
 
     def trials(self, change: Change, tries: int, rng: np.random.Generator, reach: int) -> list[bool]:
-        """Return of so many changes whether each was seen within `reach` edges, as far as it shows."""
+        """Return of a number of changes whether each was seen within `reach` edges, as far as it shows."""
         seen: list[bool] = []
         for _ in range(tries):
             if len(seen) >= tries:

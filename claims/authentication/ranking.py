@@ -1,4 +1,4 @@
-"""Bar 10: how well the network and the binomial rule tell touched regions from untouched ones."""
+"""Regions: how well the network and the binomial rule tell touched regions from untouched ones."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ EDITS = 8
 
 
 def measure(subject: Subject, draws: int | None) -> Iterator[Row]:
-    """Yield the scores of every region of the model and of so many edits of it, and whether it was touched."""
+    """Yield the scores of every region of the model and of `draws` edits of it, and whether it was touched."""
     trials = list(region_trials(subject.mesh, subject.rng("ranking"), draws or EDITS))
     rule, network, touched = region_scores(trials)
     for figure, scores in (("ROC area of the network", network), ("ROC area of the binomial rule", rule)):

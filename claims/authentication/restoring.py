@@ -1,4 +1,4 @@
-"""Bars 6 and 7: altered parts brought back from what the intact part carries, and marks taken off again."""
+"""Recovery: altered parts brought back from what the intact part carries, and marks taken off again."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ __all__ = ["measure", "measure_unmark"]
 
 
 def measure(subject: Subject, draws: int | None) -> Iterator[Row]:
-    """Yield the errors before and after `recover`, of every edit or of so many drawn from them."""
+    """Yield the errors before and after `recover`, of every edit or of `draws` of them."""
     rng = subject.rng("recovery")
     ways = [(edit, share) for edit in EDITS for share in SHARES]
     mesh = subject.marked.mesh

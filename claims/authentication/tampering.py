@@ -1,4 +1,4 @@
-"""Bars 2 and 4: local edits and pasted parts are noticed, and the map shows where they are."""
+"""Edits: local edits and pasted parts are noticed, and the map shows where they are."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ EDITS = (
 
 
 def measure(subject: Subject, draws: int | None) -> Iterator[Row]:
-    """Yield the figures of edits of every kind and size, or of so many drawn from them."""
+    """Yield the figures of edits of every kind and size, or of `draws` of them."""
     rng = subject.rng("edits")
     ways = [(edit, share) for edit in EDITS for share in SHARES]
     for number in rng.permutation(len(ways))[:draws]:

@@ -1,7 +1,7 @@
 """Tries at a marked model whose points move while its faces stay: which of them may pass, many at once.
 
 A model is authentic only where every point whose ring could carry a mark lies in the closed ring of one that
-holds (`localisation.altered_points` is empty only then). So a few points of a try are judged first, with all that
+holds (`altered_points` is empty only then). So a few points of a try are judged first, with all that
 may speak for it: every reading of the rings around them, a wide window, no demand on place or payload. A point that
 has no voucher even so has none for `authenticate`, and the try is lost; those that are left are for it to judge.
 """
@@ -35,7 +35,7 @@ _MORE_DOUBT, _WIDER = 0.1, 1.5
 # Rings that could have a mark by so much count; `authenticate` counts those of 1.1 and more.
 _MARGIN = 1.17
 _BESIDE = 0.15
-# So many of the moved points of a try are looked at first.
+# Number of moved points of a try that are judged first.
 _FIRST = 3
 
 

@@ -104,4 +104,4 @@ def test_last_bits_fall_to_chance_when_coordinates_are_written_anew():
 
 @pytest.mark.parametrize("name", [name for name in SCHEMES if hasattr(SCHEMES[name], "reconstruction")])
 def test_what_is_ours_is_said_wherever_the_source_is(name):
-    assert "our reconstruction: " + SCHEMES[name].reconstruction in SCHEMES.told(name)
+    assert "our reconstruction: " + SCHEMES[name].reconstruction in SCHEMES.described(name)

@@ -60,8 +60,9 @@ def _marked(rng, case: Case, points: int, number: int) -> Row:
     rms = {"standard": 8e-4, "subtle": 2e-4}[case.budget] * rng.uniform(0.6, 1.0)
     ber = float(rng.integers(1, 36) / 64) if wrong else 0.0
     return Row(
-        case=case, status="ok", **common, rms_over_diagonal=rms, max_over_diagonal=4 * rms, mrms_over_diagonal=0.5 * rms,
-        hausdorff_over_diagonal=3 * rms, psnr_db=-20 * np.log10(rms), paper_psnr_db=50.0, msdm2=300 * rms,
+        case=case, status="ok", **common, rms_over_diagonal=rms, max_over_diagonal=4 * rms,
+        mrms_over_diagonal=0.5 * rms, hausdorff_over_diagonal=3 * rms,
+        psnr_db=-20 * np.log10(rms), paper_psnr_db=50.0, msdm2=300 * rms,
         ber=ber, raw_ber=min(0.5, ber + 0.05), correlation=1 - 2 * ber, present=not wrong or ber < 0.1,
         recovered=not wrong, log10_false_positive=-0.5 if wrong else -15.0, file_seconds=0.01,
         embed_seconds=1e-5 * points**GROWTH, attack_seconds=0.1, extract_seconds=2e-5 * points,

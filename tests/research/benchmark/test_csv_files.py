@@ -16,7 +16,7 @@ TEXT = st.text(st.characters(codec="utf-8", exclude_characters="\r\x00"), max_si
 MAYBE = st.none() | st.floats(allow_nan=False)
 CASES = st.builds(Case, TEXT, TEXT, TEXT, TEXT, TEXT, TEXT, st.integers(0, 99), st.integers(0, 99))
 ROWS = st.builds(
-    Row, CASES, TEXT, TEXT, points=st.none() | st.integers(0, 10**9), ber=MAYBE, msdm2=MAYBE,
+    Row, case=CASES, status=TEXT, note=TEXT, points=st.none() | st.integers(0, 10**9), ber=MAYBE, msdm2=MAYBE,
     present=st.none() | st.booleans(), recovered=st.none() | st.booleans(), peak_mb=MAYBE,
 )  # fmt: skip
 

@@ -22,7 +22,8 @@ def rows(errors=ERRORS) -> list[Row]:
             for i in range(8):
                 case = Case("robust", name, f"test/m{i}.ply", "standard", attack, "marked", 0)
                 made.append(
-                    Row(case=case, status="ok", points=900, size_class="500-2,500", split="test", rms_over_diagonal=7e-4,
+                    Row(case=case, status="ok", points=900, size_class="500-2,500", split="test",
+                        rms_over_diagonal=7e-4,
                         ber=share + 0.001 * i * (share > 0), present=share < 0.2, recovered=share == 0.0)
                 )  # fmt: skip
     return made
@@ -62,7 +63,7 @@ def test_the_page_is_made_by_one_command(tmp_path, capsys):
     (tmp_path / "results.csv").write_text(results_csv(rows()))
     assert main([str(tmp_path / "results.csv"), str(tmp_path / "page.md")]) == 0
     page = (tmp_path / "page.md").read_text(encoding="utf-8")
-    assert re.search(r"Made by `python -m meshmark\.benchmark\.leaderboard results\.csv`", page)
+    assert re.search(r"Made by `python -m meshmark\.research\.benchmark\.leaderboard results\.csv`", page)
     assert main([str(tmp_path / "results.csv")]) == 0
     assert capsys.readouterr().out == page
     assert main([]) == 2

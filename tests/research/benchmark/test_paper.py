@@ -181,10 +181,14 @@ def planted_probes() -> dict[Probe, Outcome]:
         "decoded_half": [0.0, 1.0],
     }
     return {
-        Probe(kind="salient points", model=MODELS[1], seed=0): Outcome(status="ok", figures={"nc_dgg": {"seconds": 0.004, "points": 9}}),
+        Probe(kind="salient points", model=MODELS[1], seed=0): Outcome(
+            status="ok", figures={"nc_dgg": {"seconds": 0.004, "points": 9}}
+        ),
         Probe(kind="regions", model=MODELS[1], seed=0): Outcome(status="ok", figures=choices),
         Probe(kind="regions", model=MODELS[2], seed=0): Outcome(status="refused", note="too small"),
-        Probe(kind="carriers", model=MODELS[1], seed=0): Outcome(status="ok", figures={"network": bits, "rule": bits}),
+        Probe(kind="carriers", model=MODELS[1], seed=0): Outcome(
+            status="ok", figures={"network": bits, "rule": bits}
+        ),
     }  # fmt: skip
 
 

@@ -17,7 +17,7 @@ def _main() -> None:
     """Read, decode, write; a stream that cannot be decoded is an answer too."""
     memory, seconds = int(sys.argv[1]), int(sys.argv[2])
     _limit(memory, seconds)
-    sys.path.insert(0, str(Path(__file__).parents[2]))
+    sys.path.insert(0, str(Path(__file__).parents[3]))
     from meshmark.io.gltf.codecs import decode
 
     # Libraries may print: nothing but the answer goes where the answer is read.

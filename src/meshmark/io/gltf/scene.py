@@ -2,7 +2,7 @@
 
 All nodes of all scenes count; a file without scenes shows all its root nodes, one without nodes each mesh
 once. Meshes that no scene reaches, points and lines stay untouched and are no part of the surface, nor is
-what a node flattens (scale 0). A skinned mesh stands where its joints put it at rest (`gltf_skin.py`). GPU
+what a node flattens (scale 0). A skinned mesh stands where its joints put it at rest (`skin.py`). GPU
 instances and level-of-detail extensions are not expanded.
 """
 

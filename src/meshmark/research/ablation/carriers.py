@@ -15,7 +15,7 @@ from meshmark.research.training.demodulator_trials import Marked, Trial, mark, t
 __all__ = ["carrier_figures"]
 
 ATTACKS: Final = (("noise", 0.005), ("smoothing", 10.0))
-# Ids are also read from so many of the carriers, as if the mark had that share of its energy.
+# Ids are also read from this share of the carriers, as if the mark had that share of its energy.
 SHARE: Final = 0.5
 
 

@@ -24,7 +24,7 @@ class NcdgLv:
     """The ownership layer of NCDG-LV; the payload is the 64-bit id, most significant bit first."""
 
     title = "NCDG-LV"
-    source = "NCDG-LV, ownership layer (DESIGN section 4)"
+    source = "NCDG-LV, ownership layer (docs/design.md, section 4)"
     bits = ID_BITS
     blind = True
 
@@ -55,15 +55,15 @@ class NcdgLv:
 
 
 class NcdgLvOriginal(NcdgLv):
-    """The same mark, read by an owner who has kept the unmarked original."""
+    """The same mark, read by an owner who kept the unmarked original."""
 
     title = "NCDG-LV with the original"
-    source = "NCDG-LV, ownership layer (DESIGN section 6)"
+    source = "NCDG-LV, ownership layer (docs/design.md, section 6)"
     blind = False
 
 
 class NcdgLvCertificate(NcdgLvOriginal):
-    """The same mark, read by an owner who has kept the certificate."""
+    """The same mark, read by an owner who kept the certificate."""
 
     title = "NCDG-LV with the certificate"
 

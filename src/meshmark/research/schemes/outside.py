@@ -71,8 +71,8 @@ def _module(path: str, digest: str) -> ModuleType:
         spec.loader.exec_module(module)
     except Exception as error:
         del sys.modules[name]
-        told = " ".join(f"{type(error).__name__}: {error}".split())
-        raise InputError(f"the scheme {path} cannot be loaded: {told}") from None
+        reason = " ".join(f"{type(error).__name__}: {error}".split())
+        raise InputError(f"the scheme {path} cannot be loaded: {reason}") from None
     return module
 
 

@@ -66,7 +66,7 @@ class Schemes(Mapping[str, Scheme]):
     def __len__(self) -> int:
         return len(list(iter(self)))
 
-    def told(self, name: str) -> str:
+    def described(self, name: str) -> str:
         """Return title and source of a scheme, what of it is our reconstruction, and of a file its digest."""
         scheme = self[name]
         content = f", file {file_digest(name)}" if name.endswith(FILE_ENDING) else ""

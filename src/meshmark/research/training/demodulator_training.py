@@ -1,4 +1,4 @@
-"""Training of the soft demodulator on attacked models (DESIGN section 5; paper eq. 13-15)."""
+"""Training of the soft demodulator on attacked models (docs/design.md, section 5; paper eq. 13-15)."""
 
 from __future__ import annotations
 

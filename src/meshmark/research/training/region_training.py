@@ -1,4 +1,4 @@
-"""Training of the distortion classifier on locally edited models (DESIGN section 5; paper eq. 13-15)."""
+"""Training of the distortion classifier on locally edited models (docs/design.md, section 5; paper eq. 13-15)."""
 
 from __future__ import annotations
 

@@ -80,7 +80,7 @@ def percent(value: float | None, digits: int = 1) -> str:
 
 
 def number(value: float | None, digits: int = 3) -> str:
-    """Return a number with so many significant digits and no exponent where it can do without."""
+    """Return a number with this number of significant digits and no exponent where it can do without."""
     if value is None:
         return NOTHING
     if not isfinite(value):

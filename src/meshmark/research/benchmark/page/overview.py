@@ -25,7 +25,7 @@ from meshmark.research.benchmark.run.row import Row
 
 __all__ = ["overview"]
 
-_FEW = 2  # more than so many results are compared in one sentence
+_FEW = 2  # more results than this are compared in one sentence
 
 
 def overview(rows: Sequence[Row], facts: Facts, *, pictures: bool = True) -> Section:

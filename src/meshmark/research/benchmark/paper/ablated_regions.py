@@ -12,7 +12,7 @@ from meshmark.research.benchmark.page.layout import NOTHING, Cell, Table, number
 from meshmark.research.benchmark.paper.measured import db_estimate, share_cell
 from meshmark.research.training.region_training import area_under_curve
 
-__all__ = ["Figures", "area", "map_table", "told", "verdict_table"]
+__all__ = ["Figures", "area", "in_words", "map_table", "verdict_table"]
 
 Figures = Mapping[str, Mapping[str, Any]]
 
@@ -31,7 +31,7 @@ def map_table(regions: Sequence[Figures]) -> Table:
         seconds = [figures[choice]["seconds"] for figures in regions if choice in figures]
         rows.append(
             (
-                Cell(text=told(choice)),
+                Cell(text=in_words(choice)),
                 Cell(text=number(float(np.median([*balance]))), small=f"worst {number(max(balance))}"),
                 *(_neutral([*own[name].values()]) for name in ("same region", "called")),
                 Cell(text=f"{number(1000 * float(np.median(seconds)))} ms"),
@@ -89,7 +89,7 @@ def verdict_table(regions: Sequence[Figures]) -> Table:
             called = scores > 0.0
             rows.append(
                 (
-                    Cell(text=told(choice)),
+                    Cell(text=in_words(choice)),
                     Cell(text=words),
                     Cell(text=str(len(truth)), small=f"{int(truth.sum())} altered"),
                     Cell(text=area(regions, choice, rule)),
@@ -129,7 +129,7 @@ def area(regions: Sequence[Figures], choice: str, rule: str) -> str:
     return f"{area_under_curve(scores, truth):.4f}" if truth.any() and not truth.all() else NOTHING
 
 
-def told(choice: str) -> str:
+def in_words(choice: str) -> str:
     """Return a choice of modules in words."""
     return " + ".join(_WORDS.get(part, part) for part in choice.split(" + "))
 

@@ -10,7 +10,13 @@ from meshmark.research.ablation.modules import EMBEDDINGS, PAPER
 from meshmark.research.benchmark.figures.intervals import mean
 from meshmark.research.benchmark.figures.labels import label
 from meshmark.research.benchmark.page.layout import NOTHING, Cell, Table
-from meshmark.research.benchmark.paper.ablated_regions import Figures, area, map_table, told, verdict_table
+from meshmark.research.benchmark.paper.ablated_regions import (
+    Figures,
+    area,
+    in_words,
+    map_table,
+    verdict_table,
+)
 from meshmark.research.benchmark.paper.compared import standing
 from meshmark.research.benchmark.paper.measured import OWN, Group, Measured, db_cell, share_cell
 from meshmark.research.benchmark.paper.published_claims import ABLATION, DOUBTS
@@ -51,7 +57,7 @@ def _paper(measured: Measured, regions: Sequence[Figures]) -> Table:
                 Cell(text=claim.modules),
                 Cell(text=f"{claim.train:.2f}"),
                 Cell(text=f"{claim.test:.2f}"),
-                Cell(text=told(choice), small=f"id by {scheme}"),
+                Cell(text=in_words(choice), small=f"id by {scheme}"),
                 db_cell(list(psnr.values())),
                 share_cell(list(clean.values())),
                 share_cell(list(attacked.values())),

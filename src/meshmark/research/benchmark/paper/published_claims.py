@@ -1,4 +1,4 @@
-"""What the paper reports, as it is printed there, and what is doubtful about it (DESIGN section 9).
+"""What the paper reports, as it is printed there, and what is doubtful about it (docs/design.md, section 9).
 
 Modigari Narendra, Valarmathi, Jani Anbarasi, Gandomi: Levenberg-Marquardt deep neural watermarking for 3D mesh
 using nearest centroid salient point learning.

@@ -120,7 +120,7 @@ def _alarm(measured: Measured, scheme: str) -> Cell:
 
 
 _CAPTION = (
-    "Over the first so many models in an order drawn by a hash, of those that the scheme could mark (n); "
+    "Over the first n models in an order drawn by a hash, n counting those that the scheme could mark; "
     "all of the paper's attacks alike; 95 % intervals that count models. A rate that grows with the number "
     "of models would be an error of counting."
 )

@@ -12,7 +12,7 @@ _STATUS = Path("/proc/self/status")
 
 
 def limit_memory(megabytes: int) -> None:
-    """Let allocations beyond so many MiB fail with `MemoryError`."""
+    """Let allocations beyond this number of MiB fail with `MemoryError`."""
     if sys.platform == "win32":
         return
     import resource

@@ -123,7 +123,7 @@ class _Limited:
 
 
 def size_class(points: int) -> str:
-    """Return the name of the size class of a model with so many different points."""
+    """Return the name of the size class of a model with this number of different points."""
     return [name for least, name in SIZE_CLASSES if points >= least][-1]
 
 

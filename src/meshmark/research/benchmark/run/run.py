@@ -18,7 +18,7 @@ from meshmark.research.benchmark.run.schedule import Schedule
 from meshmark.research.benchmark.run.store import Store
 from meshmark.research.benchmark.run.suites import SUITES, cases
 from meshmark.research.benchmark.run.worker import Setup
-from meshmark.research.benchmark.run.worker_pool import Crew
+from meshmark.research.benchmark.run.worker_pool import WorkerPool
 from meshmark.research.schemes import SCHEMES
 
 __all__ = ["Finished", "Plan", "run", "schemes_of"]
@@ -32,7 +32,7 @@ class Plan:
     """What to run. data: None for the models that come with the package; limit: of models, None for all.
 
     schemes: names, files that end in .py, "all", or None for those that the suite is made for.
-    workers: None for one on each core; time_limit: of one job, seconds. hours: begin no model after so long.
+    workers: None for one on each core; time_limit: of one job, seconds. hours: after this time no model is begun.
     """
 
     suite: str
@@ -60,8 +60,8 @@ class Finished:
     left: int = 0
 
 
-def run(plan: Plan, told: Callable[[int, int, int], None] = lambda *_: None) -> Finished:
-    """Do what is left to do; `told(done, total, failed)` is called after each row.
+def run(plan: Plan, progress: Callable[[int, int, int], None] = lambda *_: None) -> Finished:
+    """Do what is left to do; `progress(done, total, failed)` is called after each row.
 
     Raises `InputError` for a plan that cannot be, or a folder that holds another run, `OutputError` for one
     that cannot be written.
@@ -82,7 +82,7 @@ def run(plan: Plan, told: Callable[[int, int, int], None] = lambda *_: None) -> 
         out=plan.out.resolve(),
         worker_memory_mb=int(_MEMORY_SHARE * memory_mb()) // workers,
     )
-    titles = {name: SCHEMES.told(name) for name in names}
+    titles = {name: SCHEMES.described(name) for name in names}
     limits = {"workers": workers, "time_limit": plan.time_limit, "worker_memory_mb": setup.worker_memory_mb}
     facts = facts_of_now(plan.suite, plan.seed, titles, setup.data, len(models), **limits)
     wanted = list(_wanted(plan, models, names))
@@ -91,8 +91,8 @@ def run(plan: Plan, told: Callable[[int, int, int], None] = lambda *_: None) -> 
         clear_unfinished(plan.out)
         held = store.cases() | store.probes().keys()
         left = [job for job in wanted if job not in held]
-        with Crew(workers, setup, plan.time_limit) as crew:
-            undone = _Run(store, crew, left, len(wanted), told, plan.hours).go()
+        with WorkerPool(workers, setup, plan.time_limit) as pool:
+            undone = _Run(store, pool, left, len(wanted), progress, plan.hours).go()
         rows, kept = store.rows(), store.facts() or facts
         return Finished(
             rows=rows, facts=kept, resumed=len(wanted) - len(left), probes=store.probes(), left=undone
@@ -133,18 +133,18 @@ def _check(plan: Plan) -> None:
 
 
 class _Run:
-    """The loop between schedule, crew and store."""
+    """The loop between schedule, worker pool and store."""
 
     def __init__(
         self,
         store: Store,
-        crew: Crew,
+        pool: WorkerPool,
         left: list[Case | Probe],
         total: int,
-        told: Callable[[int, int, int], None],
+        progress: Callable[[int, int, int], None],
         hours: float | None,
     ) -> None:
-        self.store, self.crew, self.told = store, crew, told
+        self.store, self.pool, self.progress = store, pool, progress
         self.done, self.total, self.failed = total - len(left), total, 0
         self.schedule = Schedule(left, self._known(left))
         self.start = perf_counter()
@@ -155,13 +155,13 @@ class _Run:
         """Do the work and return how many cases and probes there was no time for."""
         self._keep(self.schedule.fallen())
         while True:
-            while self.crew.free and self._more():
+            while self.pool.free and self._more():
                 job = self.schedule.take()
                 self.begun.add(model_of(job))
-                self.crew.submit(job)
-            if not self.crew.busy:
+                self.pool.submit(job)
+            if not self.pool.busy:
                 return self.total - self.done
-            for job, outcome in self.crew.finished():
+            for job, outcome in self.pool.finished():
                 if isinstance(job, Case | Probe):
                     self._keep([(job, outcome)])
                 else:
@@ -199,7 +199,7 @@ class _Run:
                 self.store.add_job(job, outcome)
             self.done += 1
             self.failed += outcome.status not in ("ok", "refused")
-            self.told(self.done, self.total, self.failed)
+            self.progress(self.done, self.total, self.failed)
 
     def _row(self, case: Case, outcome: Outcome) -> Row:
         """Put together what is known of the model, of the mark, and of the case."""

@@ -15,7 +15,7 @@ __all__ = ["SUITES", "Part", "Suite", "cases"]
 
 @dataclass(frozen=True, kw_only=True)
 class Part:
-    """Attacks, each made on a trial (one of `row.TRIALS`) so many times with new random numbers."""
+    """Attacks, each made on a trial (one of `row.TRIALS`) this number of times with new random numbers."""
 
     attacks: tuple[str, ...]
     trial: str = "marked"

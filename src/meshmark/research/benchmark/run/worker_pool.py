@@ -15,7 +15,7 @@ from meshmark.research.benchmark.run.worker import Setup, begin, work
 if TYPE_CHECKING:
     from pebble import ProcessPool
 
-__all__ = ["Crew"]
+__all__ = ["WorkerPool"]
 
 # A worker can also be ended from outside, so a job is lost only when it loses its worker this often.
 _TRIES = 3
@@ -23,14 +23,14 @@ _TRIES = 3
 _PATIENCE = 1.0
 
 
-class Crew:
-    """So many workers; `submit` gives a job to a free one, `finished` waits for results. A context manager.
+class WorkerPool:
+    """A fixed number of workers, as a context manager.
 
-    Raises `InputError` where pebble is missing.
+    `submit` gives a job to a free one, `finished` waits for results. Raises `InputError` where pebble is missing.
     """
 
     def __init__(self, workers: int, setup: Setup, time_limit: float) -> None:
-        """Make the crew; each worker starts with its first job, which may take `time_limit` seconds."""
+        """Make the pool; each worker starts with its first job, which may take `time_limit` seconds."""
         try:
             import pebble  # noqa: F401
         except ImportError:
@@ -44,7 +44,7 @@ class Crew:
         self._free: list[ProcessPool | None] = [None] * workers
         self._busy: dict[Future[Outcome], tuple[ProcessPool, Job, int]] = {}
 
-    def __enter__(self) -> Crew:
+    def __enter__(self) -> WorkerPool:
         return self
 
     def __exit__(self, *_: object) -> None:

@@ -18,7 +18,7 @@ from meshmark.research.schemes.scheme import Bits
 __all__ = ["ChoMean", "ChoVariance", "norm_margins", "shifted_norms"]
 
 # Moving the points moves their mean: so often it is sought again, until it stays, in largest norms.
-PASSES, SETTLED = 8, 1e-10
+PASSES, CONVERGED = 8, 1e-10
 # Margins beyond the middle: the largest that the mapped norms allow, and one that can just be read.
 LARGEST, SMALLEST = {MEAN: 0.45, VARIANCE: 0.3}, 1e-4
 
@@ -77,6 +77,6 @@ def shifted_norms(
         new[inside] = raised(bins_of(norms[inside], len(code)), code, statistic, margin)
         placed = centre + arms * (new / np.where(norms > 0.0, norms, 1.0))[:, None]
         step, centre = placed.mean(axis=0) - centre, placed.mean(axis=0)
-        if np.abs(step).max() <= SETTLED * norms.max():
+        if np.abs(step).max() <= CONVERGED * norms.max():
             break
     return placed

@@ -2,7 +2,7 @@
 
 The code bits are the payload and a few pilots, bits that only the key holder can expect; all are scrambled by a
 keyed stream and put in a keyed order. With another key every bit is read as a fair coin. A mark counts as present
-where so many pilots are right that chance does it at most once in 1,000: the exact binomial tail.
+where the number of correct pilots is one that chance reaches at most once in 1,000: the exact binomial tail.
 """
 
 from __future__ import annotations

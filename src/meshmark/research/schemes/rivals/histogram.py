@@ -120,5 +120,5 @@ def raised(bins: Bins, code: Bits, statistic: Statistic, margin: float) -> Float
 
 
 def _exponent(steps: IntArray, code: Bits) -> FloatArray:
-    """Return exponents so many steps below 1 for bit 1, above 1 for bit 0."""
+    """Return exponents this number of steps below 1 for bit 1, above 1 for bit 0."""
     return np.where(code == 1, 1.0 - STEP * steps, 1.0 + STEP * steps)

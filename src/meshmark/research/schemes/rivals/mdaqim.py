@@ -28,7 +28,7 @@ __all__ = ["Mdaqim"]
 STEPS = 2.0 * np.pi / np.unique(2 * np.rint(30 * 1.08 ** np.arange(72)))
 # Marking moves the frame a little: so often the marked model's own frame is sought.
 PASSES = 3
-# So many angles tell the step.
+# Number of angles from which the step is estimated.
 ENOUGH = 8_000
 
 

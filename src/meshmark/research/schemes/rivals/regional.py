@@ -40,8 +40,9 @@ TRIM = 0.02
 class Regional(Rival):
     """Cho's mean in each geodesic Voronoi region of the salient points that a detector finds.
 
-    pairs: eigenfunctions that the detector looks at, within so many rings of a point; least, most: regions, where
-    the model has so many salient points; apart: salient points within this distance, in roots of the area, are one.
+    pairs: number of eigenfunctions that the detector looks at, within `rings` rings of a point; least, most: number
+    of regions, one for each salient point; apart: salient points within this distance, in roots of the area, are
+    one.
     """
 
     pilots: int = 16

@@ -14,7 +14,7 @@ from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["Solid", "directions", "memberships", "signed_volumes", "solid_of", "spacing", "volumes"]
 
-# Directions share what lies within this many spacings of them; no more than so many do.
+# Directions share what lies within this number of spacings of them, up to a largest number of directions.
 REACH, MOST = 1.6, 12
 # Faces are cut into pieces of about this many spacings, by halving their edges so often at most.
 PIECE, HALVINGS = 0.25, 4
@@ -84,12 +84,12 @@ def directions(count: int) -> cKDTree:
 
 
 def spacing(count: int) -> float:
-    """Return about how far apart so many directions are."""
+    """Return about how far apart this number of directions are."""
     return float(np.sqrt(4.0 * np.pi / count))
 
 
 def memberships(places: FloatArray, count: int) -> csr_array:
-    """Return how much each place (n, 3), seen from the origin, belongs to each of so many directions, (n, count).
+    """Return how much each place (n, 3), seen from the origin, belongs to each of `count` directions, (n, count).
 
     Smooth in the place, with sum 1; the same along a ray.
     """

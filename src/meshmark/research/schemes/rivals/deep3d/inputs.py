@@ -75,7 +75,7 @@ def waves() -> FloatArray:
 
 
 def wave_number(count: int) -> float:
-    """Return by how much the waves of a model of so many points are shorter."""
+    """Return by how much the waves of a model of this number of points are shorter."""
     return float(2.0 ** (round(np.log2(max(count, 2))) / 2.0))
 
 

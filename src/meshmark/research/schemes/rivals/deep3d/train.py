@@ -27,7 +27,7 @@ MESHES, SIZE, SPREAD = 4, 2.5, 0.8
 RATE, GAINS_RATE, LARGEST_GRADIENT = 3e-4, 3e-3, 1.0
 # Weight of the curvature in the loss.
 CURVATURE = 0.002
-# So many steps to a line of the curve; every so-manieth model is kept aside for it.
+# Steps between two lines of the curve; one model in this number is held out for it.
 EVERY, ASIDE = 50, 12
 
 
