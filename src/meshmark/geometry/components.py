@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse import sparray
+from scipy.sparse import coo_array, csc_array, csr_array
 
 from meshmark.arrays import IntArray
 
 __all__ = ["connected_components"]
 
 
-def connected_components(graph: sparray) -> tuple[int, IntArray]:
+def connected_components(graph: csr_array | csc_array | coo_array) -> tuple[int, IntArray]:
     """Return how many components an undirected graph (n, n) has, and the number of each node's, (n,)."""
     from scipy.sparse import csgraph
 
