@@ -1,4 +1,4 @@
-"""Train the network of the rival deep3d; needs PyTorch (pip install 'meshmark[deep]').
+"""Train the network of the rival deep3d; needs PyTorch (pip install 'meshmark-research[deep]').
 
     python tools/train_deep3d.py --data DIR [--data DIR] --out weights.npz [--limit N] [--steps N] [--seed N]
 

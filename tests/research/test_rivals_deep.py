@@ -22,7 +22,7 @@ from tests.counting import some
 from tests.shapes import pebble
 
 KEY = Key(b"d" * 32)
-WITHOUT = "PyTorch is not installed: pip install 'meshmark[deep]'"
+WITHOUT = "PyTorch is not installed: pip install 'meshmark-research[deep]'"
 BITS = np.tile(np.array([0, 1], np.uint8), 32)
 
 

@@ -1,1 +1,29 @@
-"""Research: schemes and rivals, ablation, training and the benchmark; the product never imports it."""
+"""Research: schemes and rivals, ablation, training and the benchmark; the product never imports it.
+
+    from meshmark.research import SCHEMES
+
+    SCHEMES["cho_mean"].embed(mesh, bits, key)
+
+The table of schemes is imported when it is first used.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from meshmark.research.schemes.table import SCHEMES
+
+__all__ = ["SCHEMES"]
+
+
+def __getattr__(name: str) -> Any:
+    if name != "SCHEMES":
+        raise AttributeError(f"module 'meshmark.research' has no attribute {name!r}")
+    from meshmark.research.schemes.table import SCHEMES
+
+    return SCHEMES
+
+
+def __dir__() -> list[str]:
+    return ["SCHEMES"]

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from meshmark.errors import InputError
+from meshmark.research import SCHEMES
 from meshmark.research.benchmark.run.job import Mark, mark_of, marks_of
 from meshmark.research.benchmark.run.judging import judge
 from meshmark.research.benchmark.run.marked_models import (
@@ -17,7 +18,6 @@ from meshmark.research.benchmark.run.marked_models import (
 )
 from meshmark.research.benchmark.run.marking import key_of, look, mark, original, payload_of
 from meshmark.research.benchmark.run.row import Case
-from meshmark.research.schemes import SCHEMES
 from meshmark.research.schemes.scheme import Readout
 
 MODEL = "train/even.ply"

@@ -65,7 +65,7 @@ def test_the_markdown_names_the_command_of_every_table_and_plot(written):
 def test_without_matplotlib_there_are_reports_without_plots(tmp_path, monkeypatch):
     monkeypatch.setattr(module, "has_matplotlib", lambda: False)
     html, md, *_ = write_reports(ROWS, FACTS, tmp_path)
-    assert "pip install meshmark[bench]" in html.read_text()
+    assert "pip install meshmark[research]" in html.read_text()
     assert "![" not in md.read_text()
     assert not (tmp_path / "plots").exists()
 
