@@ -9,6 +9,7 @@ from meshmark.errors import InputError
 from meshmark.research import SCHEMES
 from meshmark.research.benchmark.run.job import Mark, mark_of, marks_of
 from meshmark.research.benchmark.run.judging import judge
+from meshmark.research.benchmark.run.marked_model import key_of, look, mark, original, payload_of
 from meshmark.research.benchmark.run.marked_models import (
     MARKED,
     clear_unfinished,
@@ -16,7 +17,6 @@ from meshmark.research.benchmark.run.marked_models import (
     mark_path,
     save_mark,
 )
-from meshmark.research.benchmark.run.marking import key_of, look, mark, original, payload_of
 from meshmark.research.benchmark.run.row import Case
 from meshmark.research.schemes.scheme import Readout
 

@@ -12,7 +12,7 @@ import pytest
 from meshmark.errors import InputError
 from meshmark.io import FORMATS
 from meshmark.metrics.shape import describe
-from meshmark.research.benchmark.run.models import (
+from meshmark.research.benchmark.run.model_files import (
     SIZE_CLASSES,
     choose,
     find_models,

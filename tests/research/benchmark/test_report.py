@@ -5,9 +5,9 @@ import re
 import pytest
 
 from meshmark.errors import OutputError
-from meshmark.research.benchmark import report as module
+from meshmark.research.benchmark import reports as module
 from meshmark.research.benchmark.figures.csv_files import read_results
-from meshmark.research.benchmark.report import write_reports
+from meshmark.research.benchmark.reports import write_reports
 from tests.counting import some
 from tests.research.benchmark.planted import planted_facts, planted_rows
 

@@ -17,8 +17,8 @@ from meshmark.research.benchmark.figures.distortion import distortions
 from meshmark.research.benchmark.figures.labels import NOTHING as UNTOUCHED
 from meshmark.research.benchmark.figures.labels import label, ordered
 from meshmark.research.benchmark.figures.speed import speeds
-from meshmark.research.benchmark.page.layout import NOTHING, Cell, Section, Table, number, percent
 from meshmark.research.benchmark.page.markdown import markdown
+from meshmark.research.benchmark.page.report_parts import NOTHING, Cell, Section, Table, number, percent
 from meshmark.research.benchmark.paper.compared import standing
 from meshmark.research.benchmark.paper.measured import OWN, Group, Measured
 from meshmark.research.benchmark.run.row import Row

@@ -19,7 +19,7 @@ from meshmark.research.benchmark.figures.intervals import Estimate, rate_by_mode
 from meshmark.research.benchmark.figures.labels import NOTHING as UNTOUCHED
 from meshmark.research.benchmark.figures.labels import label
 from meshmark.research.benchmark.figures.speed import speeds
-from meshmark.research.benchmark.page.layout import Cell, Section, Table, estimate, number, percent
+from meshmark.research.benchmark.page.report_parts import Cell, Section, Table, estimate, number, percent
 from meshmark.research.benchmark.run.facts import Facts
 from meshmark.research.benchmark.run.row import Row
 

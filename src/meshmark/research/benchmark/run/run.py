@@ -13,7 +13,7 @@ from meshmark.research import SCHEMES
 from meshmark.research.benchmark.run.facts import Facts, cores, facts_of_now, memory_mb
 from meshmark.research.benchmark.run.job import Job, Look, Mark, Outcome, Probe, mark_of, model_of, needs
 from meshmark.research.benchmark.run.marked_models import clear_unfinished, mark_path
-from meshmark.research.benchmark.run.models import find_models, split_of, spread, write_shipped
+from meshmark.research.benchmark.run.model_files import find_models, split_of, spread, write_shipped
 from meshmark.research.benchmark.run.row import Case, Row
 from meshmark.research.benchmark.run.schedule import Schedule
 from meshmark.research.benchmark.run.store import Store
