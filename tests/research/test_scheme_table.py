@@ -21,7 +21,7 @@ class Toy:
         return mesh
 
     def extract(self, mesh, key, *, reference=None):
-        return Readout(np.zeros(3, np.uint8), False)
+        return Readout(bits=np.zeros(3, np.uint8), present=False)
 
 
 class Half:

@@ -35,7 +35,7 @@ def quick(monkeypatch):
         def to_dict(self):
             return {"rms_over_diagonal": 0.5, "a measure that rows do not have": 1.0}
 
-    monkeypatch.setattr("meshmark.research.benchmark.run.marking.compare", lambda a, b: Quick())
+    monkeypatch.setattr("meshmark.research.benchmark.run.marked_model.compare", lambda a, b: Quick())
 
 
 @pytest.fixture

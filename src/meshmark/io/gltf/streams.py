@@ -22,7 +22,7 @@ from meshmark.errors import FormatError
 
 __all__ = ["Stream", "decode_streams"]
 
-_CHILD = Path(__file__).with_name("gltf_codec_child.py")
+_CHILD = Path(__file__).with_name("codec_child.py")
 _MEMORY, _SECONDS = 1 << 30, 30
 
 # Meshopt says "these rows are equal" in next to nothing; meshes shrink to a tenth. A small file that claims to grow

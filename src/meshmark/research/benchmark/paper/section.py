@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from meshmark.research import SCHEMES, Scheme
+from meshmark.research import SCHEMES
 from meshmark.research.benchmark.figures.aggregate import size_classes
 from meshmark.research.benchmark.figures.distortion import distortions
 from meshmark.research.benchmark.page.report_parts import NOTHING, Cell, Section, Table
@@ -19,6 +19,7 @@ from meshmark.research.benchmark.paper.watermark import watermark_parts
 from meshmark.research.benchmark.run.facts import Facts
 from meshmark.research.benchmark.run.job import Outcome, Probe
 from meshmark.research.benchmark.run.row import Row
+from meshmark.research.schemes.scheme import Scheme
 
 __all__ = ["SUITE", "paper_section"]
 
