@@ -8,6 +8,7 @@ import sys
 MEASUREMENTS = (
     "roundtrip",
     "gltf_validity",
+    "start_up",
     "saliency_speed",
     "embed_speed",
     "clean_channel",
