@@ -3,8 +3,8 @@
 python -m claims.start_up [--repeats 9]
 
 Prints, for `import meshmark; meshmark.embed` (bar: 0.6 s) and `meshmark --help` (bar: 0.15 s), the least user and
-system time of several fresh processes, byte code being there; beside it that of an empty program, of `import numpy`,
-of `import scipy.sparse`, which embedding cannot do without, and of `import typer`, by which a slow or busy machine
+system time of several fresh processes, byte code being there; beside it that of an empty program, `import numpy`,
+`import scipy.sparse`, which embedding cannot do without, and of `import typer`, by which a slow or busy machine
 shows.
 Then the files of the core install: meshmark without extras and all that it needs, with and without byte code (bar:
 250 MB without). Exit 1 where a bar is missed.
