@@ -1,9 +1,10 @@
-"""Dependencies of the research wheel: the product of the same version, and what research needs beside it."""
+"""What the build of the research wheel works out: its dependencies, and that an editable one copies no source."""
 
 from __future__ import annotations
 
 from typing import Any
 
+from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 from hatchling.metadata.plugin.interface import MetadataHookInterface
 
 NEEDED = ["pebble>=5.2", "matplotlib>=3.9"]
@@ -15,3 +16,13 @@ class ResearchMetadata(MetadataHookInterface):
     def update(self, metadata: dict[str, Any]) -> None:
         """Set the dependencies; the version has been read by then."""
         metadata["dependencies"] = [f"meshmark[attacks]=={metadata['version']}", *NEEDED]
+
+
+class NoCopies(BuildHookInterface):
+    """In an editable installation ../src is on the path; a copy of the sources beside it would only grow old."""
+
+    def initialize(self, version: str, build_data: dict[str, Any]) -> None:
+        """Put nothing but the licence into an editable wheel."""
+        if version == "editable":
+            home = f"meshmark_research-{self.metadata.version}.dist-info/LICENSE"
+            build_data["force_include_editable"] = {f"{self.root}/../LICENSE": home}
