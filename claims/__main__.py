@@ -38,6 +38,7 @@ COMMANDS = {
     "roundtrip": "docs/decisions/0016-odd-files.md",
     "saliency_speed": "docs/claims.md",
     "same_behaviour": "docs/decisions/0018-layout.md",
+    "start_up": "docs/decisions/0015-by-hand-or-library.md",
 }
 ALONE = {
     "authenticate_speed", "by_hand", "compressed_gltf", "costa", "false_alarms", "hostile", "princeton",

@@ -27,7 +27,7 @@ from meshmark.errors import MeshmarkError
 from meshmark.marking import embed, extract
 from meshmark.mesh import Mesh
 from meshmark.research.benchmark.page.calibration import calibration_panel
-from meshmark.research.benchmark.page.layout import Entry
+from meshmark.research.benchmark.page.report_parts import Entry
 
 
 def run_model(path: Path, trials: int, most_points: int, end: float) -> list[tuple[str, str, float]]:

@@ -7,8 +7,8 @@ from pathlib import Path
 
 from meshmark.geometry.weld import weld
 from meshmark.mesh import Mesh
-from meshmark.research.benchmark.run.models import SIZE_CLASSES, load
-from meshmark.research.benchmark.run.models import size_class as size_class_of
+from meshmark.research.benchmark.run.model_files import SIZE_CLASSES, load
+from meshmark.research.benchmark.run.model_files import size_class as size_class_of
 
 __all__ = ["DATA", "SIZE_CLASSES", "load", "model_paths", "size_class"]
 

@@ -29,7 +29,7 @@ from claims.models import DATA, SIZE_CLASSES, load, size_class
 from meshmark.coding.keys import Key
 from meshmark.errors import CapacityError, MeshmarkError
 from meshmark.marking import embed
-from meshmark.research.benchmark.run.models import find_models, spread
+from meshmark.research.benchmark.run.model_files import find_models, spread
 
 COLUMNS = ("model", "size_class", "outcome", "reason", "payload_bytes", "seconds")
 OUTCOMES = ("both", "ownership", "refused", "unreadable", "timeout", "crash")

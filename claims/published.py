@@ -21,8 +21,8 @@ from claims.models import load, model_paths
 from meshmark.attacks import parse_chain
 from meshmark.coding.keys import Key
 from meshmark.errors import MeshmarkError
+from meshmark.research import SCHEMES
 from meshmark.research.benchmark.figures.labels import label
-from meshmark.research.schemes import SCHEMES
 
 # Venus, 64 bits: Cho, Prost, Jung 2007 at 0.008 % MRMS, volume moments 2011 at 0.069 %: docs/design.md, section 11.
 PUBLISHED = {

@@ -29,7 +29,7 @@ from meshmark.coding.keys import Key
 from meshmark.mesh import Mesh
 from meshmark.metrics.surface_distance import mrms_over_diagonal
 from meshmark.research.schemes.rivals.cho import ChoMean
-from meshmark.research.schemes.rivals.deep3d.scheme import Deep3d
+from meshmark.research.schemes.rivals.deep3d.deep3d import Deep3d
 from meshmark.research.schemes.rivals.host import Host
 from meshmark.research.schemes.rivals.lsb import Lsb
 from meshmark.research.schemes.rivals.mdaqim import Mdaqim

@@ -10,7 +10,6 @@ import sys
 from pathlib import Path
 
 import numpy as np
-
 from demo_model import hare
 from demo_model.solids import Array
 from demo_model.surface import Faces, extract, gradient, settle

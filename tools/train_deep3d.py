@@ -1,4 +1,4 @@
-"""Train the network of the rival deep3d; needs PyTorch (pip install 'meshmark[deep]').
+"""Train the network of the rival deep3d; needs PyTorch (pip install 'meshmark-research[deep]').
 
     python tools/train_deep3d.py --data DIR [--data DIR] --out weights.npz [--limit N] [--steps N] [--seed N]
 
@@ -15,9 +15,9 @@ from pathlib import Path
 import numpy as np
 
 from meshmark.errors import MeshmarkError
-from meshmark.research.benchmark.run.models import choose, find_models, load
+from meshmark.research.benchmark.run.model_files import choose, find_models, load
 from meshmark.research.schemes.rivals.deep3d.examples import Example, example
-from meshmark.research.schemes.rivals.deep3d.train import train
+from meshmark.research.schemes.rivals.deep3d.training_loop import train
 
 
 def main() -> None:

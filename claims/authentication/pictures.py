@@ -20,7 +20,7 @@ from meshmark.geometry.view import three_quarter_view
 from meshmark.mesh import FloatArray, Mesh
 from meshmark.report.authentication_page import altered_colours
 from meshmark.report.picture import Panel, panels
-from meshmark.research.benchmark.run.models import load_shipped
+from meshmark.research.benchmark.run.model_files import load_shipped
 
 EDITS = ("bump", "delete_part", "replace_part")
 SHARE = 0.05

@@ -8,7 +8,7 @@ import sys
 
 import pytest
 
-from meshmark.cli import main as program
+from meshmark.cli.commands import COMMANDS, find_command
 from tests.counting import some
 
 
@@ -130,8 +130,29 @@ def test_the_traceback_of_a_bug_is_there_for_who_asks(cli, monkeypatch, files):
     assert "RuntimeError: detail" in ran.err
 
 
-def test_every_command_has_a_one_line_summary():
-    for name, command in some(program.COMMANDS.items()):
-        first = (command.__doc__ or "").splitlines()[0]
-        assert first.endswith("."), name
-        assert len(first) < 60, name
+def test_every_command_has_a_one_line_summary_the_first_of_its_docstring():
+    for name, summary in some(COMMANDS.items()):
+        assert (find_command(name).__doc__ or "").splitlines()[0] == summary, name
+        assert summary.endswith("."), name
+        assert len(summary) < 60, name
+
+
+def test_a_command_is_imported_when_it_is_asked_for():
+    ran = python(
+        "import sys; from meshmark.cli.main import main; main(['--help']);"
+        "print([name for name in sys.modules if name.startswith('meshmark.')], file=sys.stderr)"
+    )
+    assert "Commands:" in ran.stdout
+    assert "meshmark.cli.main" in ran.stderr
+    assert "meshmark.cli.embed" not in ran.stderr
+
+
+@pytest.mark.parametrize("line", [["bench", "smoke"], ["train", "--help"]])
+def test_commands_of_the_research_wheel_say_how_to_get_it(cli, monkeypatch, line):
+    monkeypatch.setattr("importlib.metadata.entry_points", lambda **_: ())
+    ran = cli(*line)
+    assert (ran.code, ran.out) == (2, "")
+    assert ran.err == (
+        f"meshmark: `meshmark {line[0]}` is not part of this installation, get it with: "
+        "pip install meshmark[research]\n"
+    )

@@ -9,9 +9,9 @@ from meshmark.attacks import find_attack
 from meshmark.errors import CapacityError, InputError
 from meshmark.geometry.weld import weld
 from meshmark.mesh import Mesh
-from meshmark.research.ablation.detection import detection_figures
+from meshmark.research.ablation.detection_speed import detection_figures
 from meshmark.research.ablation.modules import FULL, SALIENCY, SEGMENTATION, Modules, region_map
-from meshmark.research.ablation.regions import CHOICES, agreement, region_figures
+from meshmark.research.ablation.region_maps import CHOICES, agreement, region_figures
 from meshmark.segmentation.analysis import segment
 from tests.counting import some
 from tests.shapes import pebble

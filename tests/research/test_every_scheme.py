@@ -9,7 +9,7 @@ from meshmark.coding.keys import Key
 from meshmark.errors import InputError
 from meshmark.mesh import Mesh
 from meshmark.metrics.displacement import rms_over_diagonal
-from meshmark.research.schemes import SCHEMES
+from meshmark.research import SCHEMES
 from meshmark.strengths import BUDGETS
 from tests.counting import some
 from tests.shapes import pebble

@@ -10,7 +10,7 @@ import pytest
 from meshmark.coding.keys import Key
 from meshmark.errors import CapacityError
 from meshmark.mesh import Mesh
-from meshmark.research.schemes import SCHEMES
+from meshmark.research import SCHEMES
 from meshmark.research.schemes.rivals.codeword import chips, coded, order_of, read_code
 from meshmark.research.schemes.rivals.host import Host
 from meshmark.research.schemes.rivals.lsb import Lsb

@@ -14,15 +14,15 @@ from meshmark.geometry.areas import vertex_normals
 from meshmark.geometry.frame import canonical_frame
 from meshmark.mesh import Mesh
 from meshmark.research.schemes.rivals.codeword import coded
+from meshmark.research.schemes.rivals.deep3d.deep3d import Deep3d
 from meshmark.research.schemes.rivals.deep3d.inputs import OUT, mean_of_neighbours, shown
 from meshmark.research.schemes.rivals.deep3d.network import LENGTH, Network, Read, shipped_network
-from meshmark.research.schemes.rivals.deep3d.scheme import Deep3d
 from meshmark.research.schemes.rivals.host import Host
 from tests.counting import some
 from tests.shapes import pebble
 
 KEY = Key(b"d" * 32)
-WITHOUT = "PyTorch is not installed: pip install 'meshmark[deep]'"
+WITHOUT = "PyTorch is not installed: pip install 'meshmark-research[deep]'"
 BITS = np.tile(np.array([0, 1], np.uint8), 32)
 
 
@@ -170,7 +170,7 @@ def test_each_attack_layer_does_what_it_says(torch, host):
 
 def test_training_writes_weights_and_a_curve(torch, host, tmp_path):
     from meshmark.research.schemes.rivals.deep3d.examples import example
-    from meshmark.research.schemes.rivals.deep3d.train import train
+    from meshmark.research.schemes.rivals.deep3d.training_loop import train
 
     rng = np.random.default_rng(6)
     models = [example(Mesh(*pebble(across)), rng) for across in (30, 34)]

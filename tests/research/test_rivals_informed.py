@@ -9,7 +9,7 @@ from meshmark.attacks.chain import parse_chain
 from meshmark.coding.keys import Key
 from meshmark.errors import CapacityError, InputError
 from meshmark.mesh import Mesh
-from meshmark.research.schemes import SCHEMES
+from meshmark.research import SCHEMES
 from meshmark.research.schemes.rivals.alignment import differences
 from meshmark.research.schemes.rivals.fcm import carriers
 from meshmark.research.schemes.rivals.host import Host

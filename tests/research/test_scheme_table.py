@@ -11,7 +11,7 @@ from meshmark.research import SCHEMES
 
 OUTSIDE = """
 import numpy as np
-from meshmark.research.schemes import Readout
+from meshmark.research.schemes.scheme import Readout
 
 
 class Toy:

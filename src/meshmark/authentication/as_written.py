@@ -16,7 +16,6 @@ from hashlib import blake2b
 from math import sqrt
 
 import numpy as np
-from scipy.special import stdtrit
 
 from meshmark.authentication.marks.precision import precision_of
 from meshmark.certificate.certificate import Certificate
@@ -89,6 +88,8 @@ def _dropped(mesh: Mesh, key: Key, certificate: Certificate, written: float, car
     reader = _Reader(surface, key, certificate)
     now = reader.best()
     random = np.random.default_rng(keyed_words(key.subkey("roundings of a suspect"), 4))
+    from scipy.special import stdtrit
+
     error = precision_of(mesh, "tolerant")
     kept, locks = [], []
     for _ in range(ROUNDINGS):

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from meshmark.authentication.as_written import WRONG_LOG10
-from meshmark.authentication.checks.rounded import Rounded
 from meshmark.authentication.examination import Examination
 from meshmark.authentication.regions.region import Region
+from meshmark.authentication.rounded import Rounded
 
 __all__ = ["of_altered", "of_marks", "of_number", "of_rounded"]
 

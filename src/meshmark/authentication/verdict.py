@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshmark.authentication.as_written import Since
-from meshmark.authentication.checks.rounded import rounded_everywhere
 from meshmark.authentication.examination import DOUBTFUL_LOG10, Examination, examine
 from meshmark.authentication.payload.payload import Payload
 from meshmark.authentication.regions.region import Region
 from meshmark.authentication.regions.region_map import RegionMap, region_map
+from meshmark.authentication.rounded import rounded_everywhere
 from meshmark.authentication.sentences import of_altered, of_marks, of_rounded
 from meshmark.certificate.certificate import Certificate
 from meshmark.coding.chance import believable

@@ -1,40 +1,54 @@
-"""The table of commands, in the order in which `meshmark --help` lists them."""
+"""The table of commands, in the order in which `meshmark --help` lists them.
+
+A command is imported when it is asked for, by its own name or by its help: `meshmark --help` needs the table only.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from importlib import import_module
 
-from meshmark.cli.attack import attack
-from meshmark.cli.authenticate import authenticate
-from meshmark.cli.compare import compare
-from meshmark.cli.demo import demo
-from meshmark.cli.embed import embed
-from meshmark.cli.extract import extract
-from meshmark.cli.info import info
-from meshmark.cli.keygen import keygen
-from meshmark.cli.recover import recover
-from meshmark.cli.saliency import saliency
-from meshmark.cli.segment import segment
-from meshmark.cli.unmark import unmark
-from meshmark.research.cli.bench import bench
-from meshmark.research.cli.train import train
+from meshmark.errors import InputError
 
-__all__ = ["COMMANDS"]
+__all__ = ["COMMANDS", "ENTRY_POINTS", "find_command"]
 
-# A command returns its exit code.
-COMMANDS: dict[str, Callable[..., int]] = {
-    "keygen": keygen,
-    "embed": embed,
-    "extract": extract,
-    "authenticate": authenticate,
-    "recover": recover,
-    "unmark": unmark,
-    "attack": attack,
-    "compare": compare,
-    "saliency": saliency,
-    "segment": segment,
-    "info": info,
-    "bench": bench,
-    "train": train,
-    "demo": demo,
+ENTRY_POINTS = "meshmark.commands"
+"""The group of entry points under which the wheel meshmark-research registers its commands."""
+
+# What each command does: the first line of its docstring.
+COMMANDS: dict[str, str] = {
+    "keygen": "Make a secret key.",
+    "embed": "Put a mark into a model.",
+    "extract": "Look for a mark, by the key alone or with a reference.",
+    "authenticate": "Say whether, and where, a model was changed since marking.",
+    "recover": "Bring back what was altered in a marked model.",
+    "unmark": "Take a mark off again, with the key and the certificate.",
+    "attack": "Do to a model what happens to models in life.",
+    "compare": "Measure how far apart two models are.",
+    "saliency": "Find where a surface stands out.",
+    "segment": "Part a model into regions.",
+    "info": "Tell what a file holds.",
+    "bench": "Measure schemes on models under attacks.",
+    "train": "Train one of the networks: demodulator or distortion.",
+    "demo": "Show the whole way on one model.",
 }
+# Commands that come with the wheel meshmark-research.
+RESEARCH = ("bench", "train")
+
+
+def find_command(name: str) -> Callable[..., int]:
+    """Return the function of a command, which returns its exit code.
+
+    Raises `InputError` for a command of the wheel meshmark-research where that is not installed.
+    """
+    if name not in RESEARCH:
+        command: Callable[..., int] = getattr(import_module(f"meshmark.cli.{name}"), name)
+        return command
+    from importlib.metadata import entry_points
+
+    for point in entry_points(group=ENTRY_POINTS, name=name):
+        found: Callable[..., int] = point.load()
+        return found
+    raise InputError(
+        f"`meshmark {name}` is not part of this installation, get it with: pip install meshmark[research]"
+    )

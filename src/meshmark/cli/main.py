@@ -8,11 +8,12 @@ import os
 import sys
 import traceback
 from dataclasses import dataclass
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import typer
+from typer.core import TyperGroup
 
-from meshmark.cli.commands import COMMANDS
+from meshmark.cli.commands import COMMANDS, find_command
 from meshmark.cli.output import answer, say
 from meshmark.errors import CapacityError, MeshmarkError
 
@@ -25,8 +26,31 @@ _BUGS = (
     "please report it with the command you typed and the output of the same command under MESHMARK_DEBUG=1"
 )
 
+
+class _Commands(TyperGroup):
+    """The table of commands; each is imported when it is asked for."""
+
+    def __init__(self, **settings: Any) -> None:
+        super().__init__(**settings)
+        self.commands: dict[str, Any] = dict.fromkeys(COMMANDS)  # the names are what suggestions are made of
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:  # noqa: ARG002
+        """Return the command of a name, None where there is none."""
+        if cmd_name not in COMMANDS:
+            return None
+        only = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
+        only.command(cmd_name)(find_command(cmd_name))
+        return typer.main.get_command(only)
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:  # noqa: ARG002
+        """Write the list of commands, from the table."""
+        with formatter.section("Commands"):
+            formatter.write_dl(list(COMMANDS.items()))
+
+
 app = typer.Typer(
     name="meshmark",
+    cls=_Commands,
     add_completion=False,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
@@ -34,8 +58,6 @@ app = typer.Typer(
     invoke_without_command=True,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for _name, _function in COMMANDS.items():
-    app.command(_name)(_function)
 
 
 def _version(asked: bool) -> None:

@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from meshmark.geometry.blocks import blocks
+from meshmark.geometry.kd_tree import kd_tree
 from meshmark.geometry.point_triangle import Triangles
 from meshmark.mesh import FloatArray, IntArray
 
@@ -71,7 +71,7 @@ def box_levels(triangles: Triangles) -> tuple[IntArray, list[BoxLevel]]:
     Each run has at least one face; those of the last level have at most BRANCHES.
     """
     middles = triangles.corner + (triangles.first + triangles.second) / 3.0
-    order = np.asarray(cKDTree(middles, leafsize=BRANCHES).indices, np.int64)
+    order = np.asarray(kd_tree(middles, leafsize=BRANCHES).indices, np.int64)
     ordered = Triangles(
         corner=triangles.corner[order], first=triangles.first[order], second=triangles.second[order]
     )

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from meshmark.errors import InputError
 from meshmark.geometry.blocks import blocks
 from meshmark.geometry.box_tree import BRANCHES, ROUNDING, BoxLevel, box_levels, level_bounds
 from meshmark.geometry.groups import members
+from meshmark.geometry.kd_tree import kd_tree
 from meshmark.geometry.point_triangle import Triangles
 from meshmark.geometry.shared_places import SharedPlaces
 from meshmark.mesh import FloatArray, IntArray
@@ -59,7 +59,7 @@ class SurfaceIndex:
         self._triangles = Triangles.of((points - self._centre) / self._unit, faces)
         self._order, self._levels = box_levels(self._triangles)
         middles = self._triangles.corner + (self._triangles.first + self._triangles.second) / 3.0
-        self._middles = cKDTree(middles)
+        self._middles = kd_tree(middles)
         self._shared = SharedPlaces(faces)
 
     def nearest(self, queries: FloatArray) -> Nearest:

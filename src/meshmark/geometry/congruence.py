@@ -9,12 +9,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from meshmark.errors import InputError
 from meshmark.geometry.affine import Affine
 from meshmark.geometry.connected import Parts
 from meshmark.geometry.frame import canonical_frame, frame_alternatives
+from meshmark.geometry.kd_tree import kd_tree
 from meshmark.geometry.similarity import fit_similarity
 from meshmark.mesh import FloatArray, IntArray
 
@@ -116,7 +116,7 @@ def _guesses(
 
 def _nearest(one: FloatArray, other: FloatArray, most: float) -> IntArray | None:
     """Return (n,): the point of `one` next to each of `other`, None where they do not pair off within `most`."""
-    off, found = (np.asarray(item) for item in cKDTree(one).query(other))
+    off, found = (np.asarray(item) for item in kd_tree(one).query(other))
     if off.max() > most or len(np.unique(found)) < len(other):
         return None
     return found.astype(np.int64)

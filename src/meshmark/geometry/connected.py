@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse.csgraph import connected_components
 
 from meshmark.geometry.adjacency import adjacency, unique_edges
+from meshmark.geometry.components import connected_components
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["Parts"]
@@ -21,7 +21,7 @@ class Parts:
 
     def __init__(self, points: FloatArray, faces: IntArray) -> None:
         graph = adjacency(unique_edges(faces), len(points))
-        label = connected_components(graph, directed=False)[1].astype(np.int64)
+        label = connected_components(graph)[1]
         used = np.zeros(len(points), bool)
         used[faces] = True
         label[~used] = -1

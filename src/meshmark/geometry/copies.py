@@ -10,11 +10,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from meshmark.geometry.affine import Affine
 from meshmark.geometry.congruence import Tolerance, congruence, matched
 from meshmark.geometry.connected import Parts
+from meshmark.geometry.kd_tree import kd_tree
 from meshmark.geometry.partial_congruence import partial_congruence
 from meshmark.mesh import FloatArray, IntArray
 
@@ -73,7 +73,7 @@ class _Search:
 
     def __init__(self, points: FloatArray, parts: Parts, tolerance: Tolerance) -> None:
         self._points, self._parts, self._tolerance = points, parts, tolerance
-        self._tree = cKDTree(parts.middle)
+        self._tree = kd_tree(parts.middle)
         self._first = np.zeros(len(parts), bool)
         self._copy = np.zeros(len(parts), bool)
         self._original = np.arange(len(points))
@@ -139,7 +139,7 @@ class _Search:
         here = self._points[self._parts.points(ends[1])]
         there = affine(self._points[self._parts.points(ends[0])])
         ordered = len(here) == len(there) and np.median(np.abs(here - there)) <= self._most(ends[1])
-        pairs = np.arange(len(here)) if ordered else np.asarray(cKDTree(there).query(here)[1], np.int64)
+        pairs = np.arange(len(here)) if ordered else np.asarray(kd_tree(there).query(here)[1], np.int64)
         self._take(*ends, pairs, len(self._maps))
         self._first[ends[0]] = True
         self._maps.append(affine)

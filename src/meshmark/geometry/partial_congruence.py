@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from meshmark.errors import InputError
 from meshmark.geometry.adjacency import unique_edges
 from meshmark.geometry.affine import Affine
 from meshmark.geometry.congruence import Tolerance, fit_affine
 from meshmark.geometry.connected import Parts
+from meshmark.geometry.kd_tree import kd_tree
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["partial_congruence"]
@@ -43,7 +43,7 @@ def partial_congruence(
 
 
 def _suits(affine: Affine, one: FloatArray, other: FloatArray, most: float) -> bool:
-    near = np.asarray(cKDTree(affine(one)).query(other)[0]) <= most
+    near = np.asarray(kd_tree(affine(one)).query(other)[0]) <= most
     return int(near.sum()) >= max(_FEWEST, _SHARE * len(other))
 
 
@@ -89,7 +89,7 @@ def _alike_rings(one: tuple[FloatArray, IntArray], other: tuple[FloatArray, IntA
     wanted, second = _rings(*other)
     if len(held) < 2 or not len(wanted):
         return np.empty((0, 2), np.int64)
-    off, found = (np.asarray(item) for item in cKDTree(held).query(wanted, k=2))
+    off, found = (np.asarray(item) for item in kd_tree(held).query(wanted, k=2))
     clear = (off[:, 0] < _ALIKE) & (off[:, 1] > _CLEARLY * off[:, 0])
     return np.stack([first[found[clear, 0]], second[clear]], axis=1)
 

@@ -14,7 +14,6 @@ from typing import Literal
 import numpy as np
 from numpy.polynomial.chebyshev import chebfit, chebpts1
 from numpy.typing import ArrayLike
-from scipy.linalg.blas import daxpy
 from scipy.sparse import csr_array, diags_array
 
 from meshmark.geometry.adjacency import adjacency
@@ -145,6 +144,8 @@ def _add_product(pattern: csr_array, data: FloatArray, values: FloatArray, onto:
 
 def _add_up(sums: list[FloatArray], term: FloatArray, factors: list[float]) -> None:
     """`sums[j] += factors[j] * term`, in blocks."""
+    from scipy.linalg.blas import daxpy
+
     for total, factor in zip(sums, factors, strict=True):
         for start in range(0, term.size if factor else 0, BLOCK):
             block = slice(start, start + BLOCK)

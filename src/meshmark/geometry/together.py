@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import KDTree
 
+from meshmark.geometry.components import connected_components
+from meshmark.geometry.kd_tree import kd_tree
 from meshmark.mesh import FloatArray
 
 __all__ = ["together"]
@@ -24,11 +24,11 @@ def together(points: FloatArray, reach: float) -> FloatArray:
     for _ in range(_ROUNDS):
         unique, of_point = np.unique(placed, axis=0, return_inverse=True)
         of_point = of_point.reshape(-1)
-        pairs = KDTree(unique).query_pairs(reach, output_type="ndarray")
+        pairs = kd_tree(unique).query_pairs(reach, output_type="ndarray")
         if not len(pairs):
             break
         graph = csr_array((np.ones(len(pairs), np.int8), pairs.T), shape=(len(unique), len(unique)))
-        count, group = connected_components(graph, directed=False)
+        count, group = connected_components(graph)
         size = np.bincount(group)
         mean = np.stack([np.bincount(group, column) for column in unique.T], axis=1) / size[:, None]
         off = np.zeros(count)

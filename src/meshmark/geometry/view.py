@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial import ConvexHull, QhullError
 
 from meshmark.mesh import FloatArray
 
@@ -58,6 +57,8 @@ def _footing(points: FloatArray, up: FloatArray) -> float:
 
 
 def _hull_area(flat: FloatArray) -> float:
+    from scipy.spatial import ConvexHull, QhullError
+
     if len(flat) < 3:
         return 0.0
     try:

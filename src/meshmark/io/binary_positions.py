@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from meshmark.errors import FormatError, InputError
+from meshmark.io.binary_data import BinaryData, Type, strided
 from meshmark.io.gaps import Gaps
-from meshmark.io.ply.data import BinaryData, Type, strided
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["BinaryPositions", "binary_positions", "put_values", "round_to_type"]

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from meshmark.document import Attributes, Document
+from meshmark.geometry.kd_tree import kd_tree
 from meshmark.io.formats import FORMATS, Converted
 from meshmark.io.gltf.parse import GltfDocument
 from meshmark.io.gltf.remesh import can_remesh, remeshed
@@ -102,7 +102,7 @@ def derived(mesh: Mesh, vertices: FloatArray, faces: IntArray, origin: IntArray)
     origin = origin.copy()
     new = origin < 0
     if new.any():
-        origin[new] = cKDTree(mesh.vertices).query(vertices[new])[1]
+        origin[new] = kd_tree(mesh.vertices).query(vertices[new])[1]
     plain = Mesh(vertices, faces)
     document = _Derived(base=mesh.document, vertices=plain.vertices, faces=plain.faces, origin=origin)
     if isinstance(mesh.document, SourceFile):

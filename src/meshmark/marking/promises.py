@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterable
 from typing import Final
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from meshmark.authentication.examination import examine
 from meshmark.coding.keys import Key
@@ -26,6 +25,8 @@ _HARMLESS: Final = 0.2
 
 def _turned(vertices: FloatArray) -> FloatArray:
     """Turn, scale and move as 32-bit floats can hold it worst: small, and far from the origin."""
+    from scipy.spatial.transform import Rotation
+
     turn = Rotation.from_rotvec([0.7, -1.9, 1.1]).as_matrix()
     diagonal = float(np.linalg.norm(np.ptp(vertices, axis=0)))
     small = (vertices - vertices.min(axis=0)) @ turn.T * 0.15

@@ -16,7 +16,6 @@ from hashlib import blake2b
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
-from scipy.spatial import cKDTree
 
 from meshmark.authentication.as_written import with_written
 from meshmark.certificate.binding import bound, refuse_edited, stranger
@@ -27,6 +26,7 @@ from meshmark.errors import InputError
 from meshmark.geometry.adjacency import adjacency, unique_edges
 from meshmark.geometry.areas import vertex_normals
 from meshmark.geometry.frame import Frame, canonical_frame, frame_alternatives
+from meshmark.geometry.kd_tree import kd_tree
 from meshmark.geometry.weld import Welded, weld
 from meshmark.io.save import conform
 from meshmark.mesh import FloatArray, IntArray, Mesh
@@ -175,7 +175,7 @@ def _frame(mesh: Mesh, certificate: Certificate) -> Frame:
     landmarks = certificate.landmarks.places
     if not len(landmarks):
         return own
-    tree = cKDTree(welded.points)
+    tree = kd_tree(welded.points)
     frames = list(frame_alternatives(own))
     left = [float(np.mean(tree.query(frame.to_scene(landmarks))[0])) for frame in frames]
     return frames[int(np.argmin(left))]

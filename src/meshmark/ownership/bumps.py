@@ -9,7 +9,6 @@ Without P it would be the field of least energy, d = W^-1 J' x with W the vertex
 from __future__ import annotations
 
 import numpy as np
-import scipy.linalg as la
 import scipy.sparse as sp
 
 from meshmark.geometry.areas import area_vectors, vertex_areas_and_normals
@@ -106,6 +105,8 @@ class Bumps:
     def __init__(
         self, sampler: Sampler, samples: Samples, cells: Cells, placed: FloatArray, lattice: Lattice
     ) -> None:
+        from scipy.linalg import pinvh
+
         faces = sampler.faces
         areas, self.normals = vertex_areas_and_normals(placed, faces)
         offsets = cell_gradient(samples, cells) @ sampler.normal_motion(samples, self.normals)
@@ -129,7 +130,7 @@ class Bumps:
         self.free[rows[FRAME_ROWS:] - FRAME_ROWS] = True
         self._heights = self._heights[:, np.concatenate([np.full(FRAME_ROWS, True), self.free])]
         self._inverse = inverse
-        self._frame_inverse = la.pinvh(gram[:FRAME_ROWS, :FRAME_ROWS], rtol=RIDGE)
+        self._frame_inverse = pinvh(gram[:FRAME_ROWS, :FRAME_ROWS], rtol=RIDGE)
         self.cost = inverse[FRAME_ROWS:, FRAME_ROWS:]
 
     def displacement(self, frame: FloatArray, offsets: FloatArray) -> FloatArray:
@@ -157,11 +158,13 @@ def _border_part(points: FloatArray, faces: IntArray, normals: FloatArray, cells
 
 def _inverse(gram: FloatArray, rows: IntArray) -> FloatArray:
     """Return the inverse of the chosen rows and columns of a Gram matrix."""
+    from scipy.linalg import cho_factor, cho_solve
+
     part = gram[np.ix_(rows, rows)]
     # Scaled to a unit diagonal, and lifted by a trace of it: frame rows of symmetric surfaces may coincide.
     scale = 1.0 / np.sqrt(np.maximum(np.diag(part), np.finfo(float).tiny))
-    factor = la.cho_factor(part * np.outer(scale, scale) + RIDGE * np.eye(len(rows)))
-    return np.asarray(la.cho_solve(factor, np.eye(len(rows))) * np.outer(scale, scale))
+    factor = cho_factor(part * np.outer(scale, scale) + RIDGE * np.eye(len(rows)))
+    return np.asarray(cho_solve(factor, np.eye(len(rows))) * np.outer(scale, scale))
 
 
 def _independent(gram: FloatArray, first: int) -> IntArray:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 from scipy.sparse import csr_array
-from scipy.sparse.csgraph import breadth_first_order
 
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.recovery.moved_points import Drawing, spreads
@@ -28,6 +27,8 @@ def known_errors(
     left where an altered part is back in place. points: (p, 3); graph: (p, p) adjacency; intact: (i,) points;
     mini: points and faces in the same coordinates.
     """
+    from scipy.sparse.csgraph import breadth_first_order
+
     inside, places = csr_array(graph[intact][:, intact]), points[intact]
     classes = np.minimum(2 ** np.round(np.log2(np.maximum(sizes, 1))).astype(np.int64), LARGEST)
     errors = np.zeros(len(sizes))

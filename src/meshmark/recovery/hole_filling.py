@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 from meshmark.geometry.areas import area_vectors, vertex_normals
 from meshmark.geometry.closest_point import SurfaceIndex
+from meshmark.geometry.components import connected_components
+from meshmark.geometry.kd_tree import kd_tree
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.recovery.borders import border_edges, fan, loops, strip
 from meshmark.recovery.long_edges import split_long_edges
@@ -97,7 +97,7 @@ def _missing(
     facing = np.einsum("ij,ij->i", vectors, vertex_normals(*fine))
     far = nearest.distances > FAR * float(np.median(nearest.distances))
     lost = (at_border & (facing > FACING)) | (facing < AWAY) | far
-    tree = cKDTree(np.concatenate([points[rim[:, 0]], points[rim].mean(axis=1)]))
+    tree = kd_tree(np.concatenate([points[rim[:, 0]], points[rim].mean(axis=1)]))
     lost &= tree.query(fine[0])[0] > gap
     part = fine[1][lost[fine[1]].all(axis=1)]
     return _simple(_large(part, fine[0]))
@@ -109,7 +109,7 @@ def _large(part: IntArray, places: FloatArray) -> IntArray:
         return part
     count = len(places)
     graph = coo_array((np.ones(part.size), (part.ravel(), part[:, [1, 2, 0]].ravel())), shape=(count, count))
-    label = connected_components(graph, directed=False)[1][part[:, 0]]
+    label = connected_components(graph)[1][part[:, 0]]
     area = np.bincount(label, np.sqrt((area_vectors(places, part) ** 2).sum(axis=1)))
     return np.asarray(part[(area > SMALLEST_PART * area.max())[label]])
 
@@ -132,10 +132,10 @@ def _pairs(
     """Return which rim is sewn to which border: each to its nearest, each once, none farther than `reach`."""
     choices = []
     for number, rim in enumerate(rims):
-        tree = cKDTree(points[rim])
+        tree = kd_tree(points[rim])
         for other, border in enumerate(borders):
             there = np.mean(tree.query(places[border])[0])
-            back = np.mean(cKDTree(places[border]).query(points[rim])[0])
+            back = np.mean(kd_tree(places[border]).query(points[rim])[0])
             choices.append((float(there + back), number, other))
     pairs: list[tuple[int, int]] = []
     for off, rim_number, border_number in sorted(choices):
@@ -150,7 +150,7 @@ def _is_own(walk: FloatArray, places: FloatArray, own: IntArray, reach: float) -
         return False
     start, end = places[own[:, 0]], places[own[:, 1]]
     shares = np.linspace(0.0, 1.0, 33)[:, None, None]
-    tree = cKDTree((start + shares * (end - start)).reshape(-1, 3))
+    tree = kd_tree((start + shares * (end - start)).reshape(-1, 3))
     return float(np.median(tree.query(walk)[0])) < reach
 
 
@@ -166,7 +166,7 @@ class _Sewing:
     def sew(self, rim: IntArray, border: IntArray) -> None:
         """Add the strip between a rim, walked as the filling has it, and the border of a part."""
         one, other = self.points[rim], self.points[self.count + border]
-        distance, nearest = cKDTree(other).query(one)
+        distance, nearest = kd_tree(other).query(one)
         start = int(np.argmin(distance))
         rim, border = np.roll(rim, -start), np.roll(border, -int(np.asarray(nearest)[start]))
         made = strip(self.points[rim], self.points[self.count + border], True)

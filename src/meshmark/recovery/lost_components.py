@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse.csgraph import connected_components
 
 from meshmark.geometry.adjacency import adjacency, unique_edges
 from meshmark.geometry.closest_point import SurfaceIndex
+from meshmark.geometry.components import connected_components
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.recovery.long_edges import split_long_edges
 
@@ -26,7 +26,7 @@ def with_lost_shells(
     mini: points and faces in the same coordinates; usual: how far it lies off the surface, in scene units.
     """
     places, corners = mini
-    shell = connected_components(adjacency(unique_edges(corners), len(places)), directed=False)[1]
+    shell = connected_components(adjacency(unique_edges(corners), len(places)))[1]
     near = SurfaceIndex(points, faces).nearest(places).distances <= FAR * usual
     gone = np.bincount(shell, near) == 0
     gone &= np.bincount(shell) >= 4

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse.csgraph import connected_components
 
 from meshmark.errors import CapacityError, InputError
 from meshmark.geometry.adjacency import adjacency, unique_edges
 from meshmark.geometry.areas import face_areas
+from meshmark.geometry.components import connected_components
 from meshmark.geometry.frame import canonical_frame
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.recovery.mesh_coder import PLACE_BITS, decode_mesh, encode_mesh
@@ -56,7 +56,7 @@ def miniature(points: FloatArray, faces: IntArray, size_bytes: int) -> bytes:
 
 def _largest_parts(points: FloatArray, faces: IntArray, count: int) -> tuple[FloatArray, IntArray]:
     """Return the connected parts of most area, about `count` points in all, at least one part."""
-    part = connected_components(adjacency(unique_edges(faces), len(points)), directed=False)[1]
+    part = connected_components(adjacency(unique_edges(faces), len(points)))[1]
     area = np.bincount(part[faces[:, 0]], face_areas(points, faces), part.max() + 1)
     order = np.argsort(-area, kind="stable")
     kept = order[: max(int((np.cumsum(np.bincount(part)[order]) <= count).sum()), 1)]

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_array, csr_array, diags_array
-from scipy.sparse.linalg import SuperLU, splu
 
 from meshmark.geometry.adjacency import unique_edges
 from meshmark.geometry.areas import vertex_normals
 from meshmark.geometry.closest_point import SurfaceIndex
 from meshmark.mesh import FloatArray, IntArray
+
+if TYPE_CHECKING:
+    from scipy.sparse.linalg import SuperLU
 
 __all__ = ["Drawing", "spreads"]
 
@@ -52,6 +56,8 @@ class Drawing:
         held, rows = np.flatnonzero(rim), np.flatnonzero(self.altered)
         if len(held) and len(rows):
             offset[held] = self.points[held] - self.index.nearest(self.points[held]).points
+            from scipy.sparse.linalg import splu
+
             part = self.walk[rows]
             matrix = csc_array(part[:, rows] + 1e-6 * diags_array(np.ones(len(rows))))
             offset[rows] = splu(matrix).solve(-(part[:, held] @ offset[held]))
@@ -92,6 +98,8 @@ class Drawing:
 
     def _held(self, inner: csc_array, detail: float, step: float) -> tuple[float, SuperLU]:
         """Return the stiffness that keeps shapes below a length of detail, and the solver with it."""
+        from scipy.sparse.linalg import splu
+
         stiffness = 16.0 * (detail * self.detail / (2.0 * np.pi * step)) ** 4
         return stiffness, splu(csc_array(stiffness * inner + diags_array(np.ones(inner.shape[0]))))
 

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
 
 from meshmark.errors import InputError
 from meshmark.geometry.adjacency import adjacency, unique_edges
 from meshmark.geometry.areas import area_vectors
 from meshmark.geometry.closest_point import SurfaceIndex
+from meshmark.geometry.components import connected_components
 from meshmark.geometry.weld import Welded
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.recovery.borders import border_edges
@@ -135,7 +135,7 @@ def _parts(graph: csr_array, altered: NDArray[np.bool_]) -> IntArray:
     rows = np.flatnonzero(altered)
     part = np.zeros(len(altered), np.int64)
     if len(rows):
-        part[rows] = connected_components(graph[rows][:, rows], directed=False)[1]
+        part[rows] = connected_components(graph[rows][:, rows])[1]
     return part
 
 

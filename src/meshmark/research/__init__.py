@@ -1,6 +1,10 @@
 """Research: schemes and rivals, ablation, training and the benchmark; the product never imports it.
 
-`from meshmark.research import SCHEMES` is the table of schemes: `SCHEMES["cho_mean"].embed(mesh, bits, key)`.
+    from meshmark.research import SCHEMES
+
+    SCHEMES["cho_mean"].embed(mesh, bits, key)
+
+The table of schemes is imported when it is first used.
 """
 
 from __future__ import annotations
@@ -19,3 +23,7 @@ def __getattr__(name: str) -> Any:
     from meshmark.research.schemes.table import SCHEMES
 
     return SCHEMES
+
+
+def __dir__() -> list[str]:
+    return ["SCHEMES"]

@@ -15,9 +15,9 @@ from typing import Any, Protocol, cast, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
 
 from meshmark.document import Attributes, Document
+from meshmark.geometry.components import connected_components
 from meshmark.geometry.copies import FIRST_LARGEST
 from meshmark.geometry.weld import Welded
 from meshmark.io.placement import Affine, Placement
@@ -269,7 +269,7 @@ def _ranks(slots: IntArray, showing: IntArray, placements: tuple[Placement, ...]
         (np.ones(len(slots), np.int8), (showing, slots + count)),
         shape=(count + int(slots.max()) + 1,) * 2,
     )
-    group = connected_components(links, directed=False)[1][:count]
+    group = connected_components(links)[1][:count]
     scale = np.array([abs(np.linalg.det(item.affine.linear)) ** (1 / 3) for item in placements])
     largest = np.zeros(int(group.max()) + 1)
     np.maximum.at(largest, group, scale)

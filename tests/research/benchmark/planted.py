@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from meshmark.research.benchmark.run.facts import Facts
-from meshmark.research.benchmark.run.models import size_class
+from meshmark.research.benchmark.run.model_files import size_class
 from meshmark.research.benchmark.run.row import Case, Row
 
 ATTACKS = (

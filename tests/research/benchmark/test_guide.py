@@ -16,7 +16,7 @@ from meshmark.cli.main import main
 from meshmark.coding.keys import Key
 from meshmark.io import write_mesh
 from meshmark.research.benchmark.figures.csv_files import results_csv
-from meshmark.research.benchmark.run.models import SIZE_CLASSES
+from meshmark.research.benchmark.run.model_files import SIZE_CLASSES
 from meshmark.research.benchmark.run.row import STATUSES, TRIALS
 from meshmark.research.benchmark.run.sample_shape import lopsided
 from meshmark.research.benchmark.run.suites import SUITES

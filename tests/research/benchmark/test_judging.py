@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from meshmark.errors import InputError
+from meshmark.research import SCHEMES
 from meshmark.research.benchmark.run.job import Mark, mark_of, marks_of
 from meshmark.research.benchmark.run.judging import judge
+from meshmark.research.benchmark.run.marked_model import key_of, look, mark, original, payload_of
 from meshmark.research.benchmark.run.marked_models import (
     MARKED,
     clear_unfinished,
@@ -15,9 +17,7 @@ from meshmark.research.benchmark.run.marked_models import (
     mark_path,
     save_mark,
 )
-from meshmark.research.benchmark.run.marking import key_of, look, mark, original, payload_of
 from meshmark.research.benchmark.run.row import Case
-from meshmark.research.schemes import SCHEMES
 from meshmark.research.schemes.scheme import Readout
 
 MODEL = "train/even.ply"
@@ -35,7 +35,7 @@ def quick(monkeypatch):
         def to_dict(self):
             return {"rms_over_diagonal": 0.5, "a measure that rows do not have": 1.0}
 
-    monkeypatch.setattr("meshmark.research.benchmark.run.marking.compare", lambda a, b: Quick())
+    monkeypatch.setattr("meshmark.research.benchmark.run.marked_model.compare", lambda a, b: Quick())
 
 
 @pytest.fixture

@@ -12,7 +12,7 @@ import pytest
 from meshmark.errors import InputError
 from meshmark.io import FORMATS
 from meshmark.metrics.shape import describe
-from meshmark.research.benchmark.run.models import (
+from meshmark.research.benchmark.run.model_files import (
     SIZE_CLASSES,
     choose,
     find_models,
@@ -131,7 +131,7 @@ def test_damaged_packings_are_refused_in_words(tmp_path):
 
 
 def test_a_packing_that_unpacks_to_too_much_is_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr("meshmark.research.benchmark.run.models._LARGEST_BYTES", 3000)
+    monkeypatch.setattr("meshmark.research.benchmark.run.model_files._LARGEST_BYTES", 3000)
     (tmp_path / "bomb.off.xz").write_bytes(lzma.compress(b" " * 4000))
     with pytest.raises(InputError, match="unpacks to more than"):
         load(tmp_path / "bomb.off.xz")

@@ -8,9 +8,9 @@ from lxml import etree
 
 from meshmark.research.benchmark.figures.aggregate import robustness
 from meshmark.research.benchmark.figures.labels import label
-from meshmark.research.benchmark.page.layout import Cell, Section, Table
 from meshmark.research.benchmark.page.page import page
 from meshmark.research.benchmark.page.plots import plots
+from meshmark.research.benchmark.page.report_parts import Cell, Section, Table
 from meshmark.research.benchmark.sections import sections
 from tests.counting import some
 from tests.research.benchmark.browser import CHROMIUM, look

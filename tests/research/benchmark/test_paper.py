@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from meshmark.research.ablation.regions import CHOICES
+from meshmark.research.ablation.region_maps import CHOICES
 from meshmark.research.benchmark.figures.intervals import Estimate
 from meshmark.research.benchmark.paper.classes import classes_of
 from meshmark.research.benchmark.paper.compared import standing, tables
@@ -14,7 +14,7 @@ from meshmark.research.benchmark.paper.published_claims import ABLATION, CLAIMED
 from meshmark.research.benchmark.paper.rates import rate_parts
 from meshmark.research.benchmark.paper.section import paper_section
 from meshmark.research.benchmark.paper.watermark import watermark_parts, watermark_psnr
-from meshmark.research.benchmark.report import write_reports
+from meshmark.research.benchmark.reports import write_reports
 from meshmark.research.benchmark.run.job import Outcome, Probe
 from meshmark.research.benchmark.run.row import Case, Row
 from meshmark.research.benchmark.run.suites import SUITES, cases

@@ -13,16 +13,16 @@ from meshmark.attacks.attack import Attacked
 from meshmark.errors import InputError
 from meshmark.mesh import Mesh
 from meshmark.metrics.psnr import psnr_db
+from meshmark.research import SCHEMES
 from meshmark.research.ablation.modules import SALIENCY
 from meshmark.research.benchmark.run import run as runs
 from meshmark.research.benchmark.run.job import Outcome, Probe
 from meshmark.research.benchmark.run.judging import attacked_psnr_db
-from meshmark.research.benchmark.run.models import choose, find_models, spread
+from meshmark.research.benchmark.run.model_files import choose, find_models, spread
 from meshmark.research.benchmark.run.probes import PROBES, probe
 from meshmark.research.benchmark.run.run import Finished, Plan, run, schemes_of
 from meshmark.research.benchmark.run.store import Store
 from meshmark.research.benchmark.run.suites import SUITES, Part
-from meshmark.research.schemes import SCHEMES
 from tests.counting import some
 from tests.research.benchmark import toy_schemes
 from tests.shapes import pebble

@@ -13,9 +13,9 @@ from meshmark.research.benchmark.figures.aggregate import robustness
 from meshmark.research.benchmark.page.calibration import calibration_plot, share_at_or_below
 from meshmark.research.benchmark.page.curves import Series, curve_plot, dot_plot
 from meshmark.research.benchmark.page.drawing import COLOURS, legend
-from meshmark.research.benchmark.page.layout import Entry
 from meshmark.research.benchmark.page.mark_plots import distortion_plot, time_plot
 from meshmark.research.benchmark.page.plots import plots
+from meshmark.research.benchmark.page.report_parts import Entry
 from tests.counting import some
 from tests.research.benchmark.planted import planted_rows
 

@@ -5,9 +5,9 @@ import re
 import pytest
 
 from meshmark.errors import OutputError
-from meshmark.research.benchmark import report as module
+from meshmark.research.benchmark import reports as module
 from meshmark.research.benchmark.figures.csv_files import read_results
-from meshmark.research.benchmark.report import write_reports
+from meshmark.research.benchmark.reports import write_reports
 from tests.counting import some
 from tests.research.benchmark.planted import planted_facts, planted_rows
 
@@ -65,7 +65,7 @@ def test_the_markdown_names_the_command_of_every_table_and_plot(written):
 def test_without_matplotlib_there_are_reports_without_plots(tmp_path, monkeypatch):
     monkeypatch.setattr(module, "has_matplotlib", lambda: False)
     html, md, *_ = write_reports(ROWS, FACTS, tmp_path)
-    assert "pip install meshmark[bench]" in html.read_text()
+    assert "pip install meshmark[research]" in html.read_text()
     assert "![" not in md.read_text()
     assert not (tmp_path / "plots").exists()
 

@@ -118,8 +118,8 @@ def test_a_folder_keeps_to_its_run(models, tmp_path, change, sentence):
 
 
 def run_facts(plan):
+    from meshmark.research import SCHEMES
     from meshmark.research.benchmark.run.facts import facts_of_now
-    from meshmark.research.schemes import SCHEMES
 
     titles = {name: f"{SCHEMES[name].title} ({SCHEMES[name].source})" for name in plan.schemes}
     return facts_of_now(plan.suite, plan.seed, titles, plan.data.resolve(), 1)

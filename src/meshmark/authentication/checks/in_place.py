@@ -11,10 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial.transform import Rotation
 
 from meshmark.geometry.adjacency import unique_edges
+from meshmark.geometry.components import connected_components
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["Evidence", "Scale", "in_place"]
@@ -91,7 +90,7 @@ def _least(agrees: IntArray, touched: NDArray[np.bool_]) -> IntArray:
 
 def _parts(pairs: IntArray, count: int) -> IntArray:
     graph = csr_array((np.ones(len(pairs), np.int8), pairs.T), shape=(count, count))
-    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
+    return connected_components(graph)[1]
 
 
 def _votes(part: IntArray, main: int, evidence: Evidence, count: int) -> tuple[IntArray, IntArray, Scale]:
@@ -124,6 +123,8 @@ def _misfit(evidence: Evidence, own: NDArray[np.bool_]) -> tuple[FloatArray, Flo
 
 def _fit(evidence: Evidence, fitted: NDArray[np.bool_]) -> tuple[FloatArray, FloatArray, Scale]:
     """Return misfit (e,), its deviation (e,) and scale for the similarity of most of the marks `fitted` (e,)."""
+    from scipy.spatial.transform import Rotation
+
     middle = evidence.centre[fitted].mean(axis=0)
     points = evidence.centre - middle
     size = float(np.sqrt((points[fitted] ** 2).sum(axis=1).mean()))

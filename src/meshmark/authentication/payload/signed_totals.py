@@ -11,10 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse.csgraph import connected_components
 
 from meshmark.geometry.adjacency import adjacency, unique_edges
 from meshmark.geometry.areas import face_areas
+from meshmark.geometry.components import connected_components
 from meshmark.geometry.shown import Shown, times_of
 from meshmark.geometry.weld import Welded
 from meshmark.scene.distinct import Distinct
@@ -106,7 +106,7 @@ def points_distinct(surface: Shown) -> int:
 def unmarked_parts(surface: Welded, verified: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Return (p,): the points of connected parts of which no point is `verified` (p,)."""
     graph = adjacency(unique_edges(surface.faces), len(surface.points))
-    part = connected_components(graph, directed=False)[1]
+    part = connected_components(graph)[1]
     marked = np.zeros(int(part.max(initial=-1)) + 1, bool)
     marked[part[verified]] = True
     return np.asarray(~marked[part] & used_points(surface))

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.special import expit
 
 from meshmark.authentication.regions.region_classifier import distortion
 from meshmark.authentication.regions.region_evidence import RegionEvidence
@@ -49,6 +48,8 @@ def judge_regions(evidence: RegionEvidence, centres: FloatArray) -> tuple[Region
     A region is altered where the network says so and some checks failed, or where it holds most of an altered part.
     One failed check that is none of its own may have spilt over from the next region.
     """
+    from scipy.special import expit
+
     checks, failed = evidence.checks.sum(axis=1), evidence.failed.sum(axis=1)
     odds = np.where(failed > _SPILT, distortion(evidence.features), -np.inf)
     called = (odds > 0.0) | evidence.home

@@ -6,11 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse.csgraph import connected_components
-from scipy.special import betainc
 
 from meshmark.authentication.checks.checks import Checks
 from meshmark.geometry.adjacency import adjacency, unique_edges
+from meshmark.geometry.components import connected_components
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.segmentation.map_segmentation import Regions
 
@@ -100,6 +99,8 @@ def region_evidence(
 
 def _log10_tail(failed: FloatArray, checks: FloatArray) -> FloatArray:
     """Return log10 of the chance (k,) of at least so many failures in so many checks of an intact region."""
+    from scipy.special import betainc
+
     least, rest = np.maximum(failed, 1.0), np.maximum(checks - failed, 0.0) + 1.0
     tail = np.where(failed > 0.0, betainc(least, rest, _SPILL), 1.0)
     return np.asarray(np.log10(np.maximum(tail, 1e-300)))
@@ -122,5 +123,5 @@ def connected_parts(faces: IntArray, altered: NDArray[np.bool_]) -> IntArray:
     part = np.full(len(altered), -1)
     if len(rows):
         graph = adjacency(unique_edges(faces), len(altered))[rows][:, rows]
-        part[rows] = connected_components(graph, directed=False)[1]
+        part[rows] = connected_components(graph)[1]
     return part

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from meshmark.geometry.registration.landmarks import Landmarks
 from meshmark.geometry.registration.surfels import Surfels
 from meshmark.geometry.similarity import Similarity
 from meshmark.mesh import FloatArray
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
+
 
 __all__ = ["TOLERANCE", "judge"]
 

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 from scipy.sparse import coo_array
-from scipy.spatial import cKDTree
 
+from meshmark.geometry.kd_tree import kd_tree
 from meshmark.geometry.registration.surfels import Surfels
 from meshmark.mesh import FloatArray, IntArray
 
@@ -35,7 +35,7 @@ def describe(surfels: Surfels, places: FloatArray, normals: FloatArray, radius: 
 
     Numbers are in units of the radius and of a flat disc's area per shell, so scaling everything changes nothing.
     """
-    pairs = cKDTree(places).sparse_distance_matrix(surfels.tree, radius, output_type="ndarray")
+    pairs = kd_tree(places).sparse_distance_matrix(surfels.tree, radius, output_type="ndarray")
     rows, columns, distance = pairs["i"], pairs["j"], pairs["v"] / radius
     step = (surfels.places.take(columns, axis=0) - places.take(rows, axis=0)) / radius
     channels = _channels(step, surfels.normals.take(columns, axis=0), normals, rows)

@@ -8,14 +8,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.spatial import cKDTree
 
+from meshmark.geometry.kd_tree import kd_tree
 from meshmark.geometry.registration.descriptors import describe
 from meshmark.geometry.registration.surfels import Surfels
 from meshmark.geometry.registration.windows import look
 from meshmark.mesh import FloatArray, IntArray
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
+
 
 __all__ = ["RADIUS", "WIDTH", "Landmarks", "make_landmarks", "spread"]
 
@@ -47,7 +52,7 @@ class Landmarks:
     @cached_property
     def tree(self) -> cKDTree:
         """The places, prepared for searches."""
-        return cKDTree(self.places)
+        return kd_tree(self.places)
 
     def __len__(self) -> int:
         return len(self.places)

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
+from meshmark.geometry.kd_tree import kd_tree
 from meshmark.geometry.registration.landmarks import Landmarks
 from meshmark.geometry.similarity import Similarity, fit_similarity
 from meshmark.mesh import FloatArray, IntArray
@@ -67,7 +67,7 @@ def _matches(landmarks: Landmarks, spots: Spots) -> tuple[IntArray, IntArray]:
     unit = landmarks.descriptors.std(axis=0) + 1e-3
     ours, theirs = (landmarks.descriptors - centre) / unit, (spots.descriptors - centre) / unit
     count = min(MATCHES, len(theirs))
-    distance, nearest = cKDTree(theirs).query(ours, count)
+    distance, nearest = kd_tree(theirs).query(ours, count)
     rows, columns = np.repeat(np.arange(len(ours)), count), np.asarray(nearest).ravel()
     if len(rows) > MOST_MATCHES:
         best = np.sort(np.argsort(np.asarray(distance).ravel(), kind="stable")[:MOST_MATCHES])

@@ -4,14 +4,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from meshmark.geometry.adjacency import mean_squared_edge, unique_edges
+from meshmark.geometry.kd_tree import kd_tree
 from meshmark.geometry.sampling import plan_samples
 from meshmark.geometry.scale_space import discrete_gaussian, random_walk
 from meshmark.mesh import FloatArray, IntArray
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
+
 
 __all__ = ["Surfels", "low_passed", "make_surfels"]
 
@@ -32,7 +37,7 @@ class Surfels:
     @cached_property
     def tree(self) -> cKDTree:
         """The places, prepared for searches."""
-        return cKDTree(self.places)
+        return kd_tree(self.places)
 
     def __len__(self) -> int:
         return len(self.areas)

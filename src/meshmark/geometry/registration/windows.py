@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
 
+from meshmark.geometry.kd_tree import kd_tree
 from meshmark.geometry.registration.surfels import Surfels
 from meshmark.mesh import FloatArray
 
@@ -36,7 +36,7 @@ def look(surfels: Surfels, places: FloatArray, normals: FloatArray, width: float
 
     Pieces count by their area as seen along the normal; those that face away do not count.
     """
-    pairs = cKDTree(places).sparse_distance_matrix(surfels.tree, REACH * width, output_type="ndarray")
+    pairs = kd_tree(places).sparse_distance_matrix(surfels.tree, REACH * width, output_type="ndarray")
     rows, columns = pairs["i"], pairs["j"]
     facing = surfels.normals.take(columns, axis=0)
     along = np.einsum("ij,ij->i", facing, normals.take(rows, axis=0))

@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from meshmark.errors import InputError
+from meshmark.geometry.kd_tree import kd_tree
 from meshmark.io.gltf.accessor import open_accessor
 from meshmark.io.gltf.parse import GltfDocument
 from meshmark.io.gltf.points import Kind
@@ -128,7 +128,7 @@ def _owners(document: GltfDocument, pieces: list[_Piece], corners: IntArray) -> 
     if (of_vertex < 0).any() and len(pieces):  # vertices that no face uses
         lone = of_vertex < 0
         of_vertex[lone] = of_vertex[~lone][
-            cKDTree(document.vertices[~lone]).query(document.vertices[lone])[1]
+            kd_tree(document.vertices[~lone]).query(document.vertices[lone])[1]
         ]
     owner = of_vertex[corners[:, 0]]
     keys = _keys(np.concatenate([document.faces, corners]))
@@ -165,7 +165,7 @@ def _write(
         writer_faces, source = at.reshape(-1, 3), origin[rows] - first
         foreign = (source < 0) | (source >= count)
         if foreign.any():  # a corner from another primitive: it looks like the nearest one here
-            near = cKDTree(document.vertices[first : first + count])
+            near = kd_tree(document.vertices[first : first + count])
             source[foreign] = near.query(vertices[rows[foreign]])[1]
     raw = accessor.raw(document.container.blob)[source]
     if len(faces):

@@ -18,7 +18,7 @@ import numpy as np
 from meshmark.errors import InputError
 from meshmark.geometry.weld import Welded
 from meshmark.mesh import FloatArray, IntArray, Mesh
-from meshmark.research.ablation.extraction import EXTRACTIONS
+from meshmark.research.ablation.extraction_rules import EXTRACTIONS
 from meshmark.research.schemes.rivals.adf import Adf
 from meshmark.research.schemes.rivals.host import Host
 from meshmark.research.schemes.rivals.laplace_beltrami import LaplaceBeltrami

@@ -10,18 +10,18 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from meshmark.errors import InputError
+from meshmark.research import SCHEMES
 from meshmark.research.benchmark.figures.aggregate import ALL, alarms, main_split, robustness
 from meshmark.research.benchmark.figures.csv_files import read_results
 from meshmark.research.benchmark.figures.distortion import distortions
 from meshmark.research.benchmark.figures.labels import NOTHING as UNTOUCHED
 from meshmark.research.benchmark.figures.labels import label, ordered
 from meshmark.research.benchmark.figures.speed import speeds
-from meshmark.research.benchmark.page.layout import NOTHING, Cell, Section, Table, number, percent
 from meshmark.research.benchmark.page.markdown import markdown
+from meshmark.research.benchmark.page.report_parts import NOTHING, Cell, Section, Table, number, percent
 from meshmark.research.benchmark.paper.compared import standing
 from meshmark.research.benchmark.paper.measured import OWN, Group, Measured
 from meshmark.research.benchmark.run.row import Row
-from meshmark.research.schemes import SCHEMES
 
 __all__ = ["leaderboard", "main"]
 

@@ -8,8 +8,8 @@ from meshmark.research.benchmark.figures.aggregate import ALL, alarms, main_spli
 from meshmark.research.benchmark.figures.distortion import distortions
 from meshmark.research.benchmark.figures.speed import speeds
 from meshmark.research.benchmark.page.glossary import glossary
-from meshmark.research.benchmark.page.layout import Cell, Plot, Section, Table
 from meshmark.research.benchmark.page.overview import overview
+from meshmark.research.benchmark.page.report_parts import Cell, Plot, Section, Table
 from meshmark.research.benchmark.page.tables import (
     alarm_table,
     attack_tables,

@@ -63,7 +63,7 @@ def bench(
     repeats nothing. At the end tables and plots are written to DIR. What fails is a row, not an end.
     A DIR without results, but with files of the names to be written, is refused without --force.
     """
-    from meshmark.research.benchmark.report import refuse_folder
+    from meshmark.research.benchmark.reports import refuse_folder
     from meshmark.research.benchmark.run.run import Plan, run
 
     names = None if schemes is None else tuple(name.strip() for name in schemes.split(",") if name.strip())
@@ -99,7 +99,7 @@ def bench(
 
 
 def _reports(finished: Finished, out: Path) -> list[Path]:
-    from meshmark.research.benchmark.report import write_reports
+    from meshmark.research.benchmark.reports import write_reports
 
     return write_reports(finished.rows, finished.facts, out, finished.probes)
 

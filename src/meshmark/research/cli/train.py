@@ -133,7 +133,7 @@ def _trials(
     """Return the trials of each model; one that cannot be read or marked has none."""
     import numpy as np
 
-    from meshmark.research.benchmark.run.models import choose, find_models, load
+    from meshmark.research.benchmark.run.model_files import choose, find_models, load
 
     names = choose(data, find_models(data), limit)
     result: dict[str, list[_Made]] = {}

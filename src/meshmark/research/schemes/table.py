@@ -15,7 +15,7 @@ from meshmark.research.schemes.outside import (
 )
 from meshmark.research.schemes.rivals.adf import Adf
 from meshmark.research.schemes.rivals.cho import ChoMean, ChoVariance
-from meshmark.research.schemes.rivals.deep3d.scheme import Deep3d
+from meshmark.research.schemes.rivals.deep3d.deep3d import Deep3d
 from meshmark.research.schemes.rivals.fcm import Fcm
 from meshmark.research.schemes.rivals.laplace_beltrami import LaplaceBeltrami
 from meshmark.research.schemes.rivals.lsb import Lsb

@@ -10,13 +10,13 @@ from typing import Any, Final
 import numpy as np
 
 from meshmark.mesh import FloatArray
-from meshmark.network.fitting import Examples, Recipe, fitted, held_out
 from meshmark.network.perceptron import Perceptron
 from meshmark.ownership.carrier_features import carrier_features
 from meshmark.ownership.carriers.quantisation import log_likelihood_ratio
 from meshmark.ownership.demodulator import demodulate
 from meshmark.ownership.phase_correction import settled_phase
 from meshmark.research.training.demodulator_trials import Trial
+from meshmark.research.training.fitting import Examples, Recipe, fitted, held_out
 
 __all__ = ["TrainedDemodulator", "figures", "information", "raw_errors", "train_demodulator"]
 

@@ -13,8 +13,8 @@ from scipy.stats import rankdata
 from meshmark.authentication.regions.region_classifier import distortion
 from meshmark.errors import InputError
 from meshmark.mesh import FloatArray
-from meshmark.network.fitting import Examples, Recipe, fitted, held_out
 from meshmark.network.perceptron import Perceptron
+from meshmark.research.training.fitting import Examples, Recipe, fitted, held_out
 from meshmark.research.training.region_trials import RegionTrial
 
 __all__ = ["TrainedClassifier", "area_under_curve", "region_scores", "train_classifier"]

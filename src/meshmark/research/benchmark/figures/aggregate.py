@@ -21,7 +21,7 @@ from meshmark.research.benchmark.figures.intervals import (
     upper_limit,
 )
 from meshmark.research.benchmark.figures.labels import order
-from meshmark.research.benchmark.run.models import SIZE_CLASSES
+from meshmark.research.benchmark.run.model_files import SIZE_CLASSES
 from meshmark.research.benchmark.run.row import Row
 
 __all__ = [

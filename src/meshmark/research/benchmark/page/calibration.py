@@ -10,7 +10,7 @@ import numpy as np
 from meshmark.mesh import FloatArray
 from meshmark.research.benchmark.figures.aggregate import groups
 from meshmark.research.benchmark.page.drawing import COLOURS, DASHES, INK, SOFT, draw
-from meshmark.research.benchmark.page.layout import Entry, Panel, Plot, percent
+from meshmark.research.benchmark.page.report_parts import Entry, Panel, Plot, percent
 from meshmark.research.benchmark.run.row import Row
 
 if TYPE_CHECKING:

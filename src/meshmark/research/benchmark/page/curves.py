@@ -22,7 +22,7 @@ from meshmark.research.benchmark.figures.labels import (
     strength_label,
 )
 from meshmark.research.benchmark.page.drawing import COLOURS, DASHES, MARKERS, SOFT, draw
-from meshmark.research.benchmark.page.layout import Entry, Panel, Plot, percent
+from meshmark.research.benchmark.page.report_parts import Entry, Panel, Plot, percent
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

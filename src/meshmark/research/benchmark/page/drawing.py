@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
-from meshmark.research.benchmark.page.layout import Entry, Panel
+from meshmark.research.benchmark.page.report_parts import Entry, Panel
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from meshmark.attacks.table import ATTACKS
 from meshmark.metrics import METRICS
 from meshmark.research.benchmark.figures.labels import family_label, order, steps
-from meshmark.research.benchmark.page.layout import Cell, Section, Table
+from meshmark.research.benchmark.page.report_parts import Cell, Section, Table
 from meshmark.research.benchmark.page.tables import MEASURE_LABELS
 from meshmark.research.benchmark.run.facts import Facts
 from meshmark.research.benchmark.run.row import STATUSES, TRIALS, Row

@@ -11,7 +11,7 @@ from meshmark.research.benchmark.figures.aggregate import groups, size_classes
 from meshmark.research.benchmark.figures.distortion import marks
 from meshmark.research.benchmark.figures.speed import Timing, growth, timings
 from meshmark.research.benchmark.page.drawing import COLOURS, DASHES, INK, MARKERS, draw
-from meshmark.research.benchmark.page.layout import Entry, Panel, Plot, number
+from meshmark.research.benchmark.page.report_parts import Entry, Panel, Plot, number
 from meshmark.research.benchmark.run.row import Row
 from meshmark.strengths import BUDGETS
 

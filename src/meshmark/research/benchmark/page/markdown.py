@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from meshmark.research.benchmark.page.layout import Cell, Plot, Section, Table
+from meshmark.research.benchmark.page.report_parts import Cell, Plot, Section, Table
 
 __all__ = ["markdown"]
 

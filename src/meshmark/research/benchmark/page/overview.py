@@ -19,7 +19,7 @@ from meshmark.research.benchmark.figures.intervals import Estimate, rate_by_mode
 from meshmark.research.benchmark.figures.labels import NOTHING as UNTOUCHED
 from meshmark.research.benchmark.figures.labels import label
 from meshmark.research.benchmark.figures.speed import speeds
-from meshmark.research.benchmark.page.layout import Cell, Section, Table, estimate, number, percent
+from meshmark.research.benchmark.page.report_parts import Cell, Section, Table, estimate, number, percent
 from meshmark.research.benchmark.run.facts import Facts
 from meshmark.research.benchmark.run.row import Row
 
@@ -37,7 +37,7 @@ def overview(rows: Sequence[Row], facts: Facts, *, pictures: bool = True) -> Sec
     figures = [item for item in robustness(chosen) if (item.split, item.size_class) == (ALL, ALL)]
     words = [_measured(chosen, rows, facts, split), *_results(figures), *_false_alarms(alarms(rows))]
     if not pictures:
-        words.append("This report has no plots: they need matplotlib (pip install meshmark[bench]).")
+        words.append("This report has no plots: they need matplotlib (pip install meshmark[research]).")
     table = _glance(chosen, figures, alarms(rows))
     return Section(name="summary", title="Summary", words=tuple(words), parts=(table,) if table.rows else ())
 

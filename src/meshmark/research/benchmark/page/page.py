@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from meshmark.report.html import html_page, trusted
 from meshmark.research.benchmark.page.drawing import COLOURS
-from meshmark.research.benchmark.page.layout import Panel, Plot, Section, Table
+from meshmark.research.benchmark.page.report_parts import Panel, Plot, Section, Table
 from meshmark.research.benchmark.run.facts import Facts
 
 if TYPE_CHECKING:

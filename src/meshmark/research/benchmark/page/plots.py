@@ -15,8 +15,8 @@ from meshmark.research.benchmark.figures.aggregate import (
 from meshmark.research.benchmark.page.calibration import calibration_plot
 from meshmark.research.benchmark.page.curves import Series, curve_plot, dot_plot
 from meshmark.research.benchmark.page.drawing import COLOURS, DASHES
-from meshmark.research.benchmark.page.layout import Entry, Plot
 from meshmark.research.benchmark.page.mark_plots import distortion_plot, time_plot
+from meshmark.research.benchmark.page.report_parts import Entry, Plot
 from meshmark.research.benchmark.run.row import Row
 
 __all__ = ["plots"]

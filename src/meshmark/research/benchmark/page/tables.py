@@ -10,7 +10,7 @@ from meshmark.research.benchmark.figures.distortion import MEASURES, Distortion
 from meshmark.research.benchmark.figures.intervals import Estimate
 from meshmark.research.benchmark.figures.labels import label, ordered
 from meshmark.research.benchmark.figures.speed import Speed
-from meshmark.research.benchmark.page.layout import NOTHING, Cell, Table, estimate, number, percent
+from meshmark.research.benchmark.page.report_parts import NOTHING, Cell, Table, estimate, number, percent
 from meshmark.research.benchmark.run.row import Row
 
 __all__ = [

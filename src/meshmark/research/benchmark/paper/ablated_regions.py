@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from meshmark.research.ablation.modules import FULL
-from meshmark.research.benchmark.page.layout import NOTHING, Cell, Table, number, percent
+from meshmark.research.benchmark.page.report_parts import NOTHING, Cell, Table, number, percent
 from meshmark.research.benchmark.paper.measured import db_estimate, share_cell
 from meshmark.research.training.region_training import area_under_curve
 

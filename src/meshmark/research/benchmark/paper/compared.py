@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from meshmark.research.benchmark.page.layout import NOTHING, Cell, Table, percent
+from meshmark.research.benchmark.page.report_parts import NOTHING, Cell, Table, percent
 from meshmark.research.benchmark.paper.measured import (
     OWN,
     Group,

@@ -9,7 +9,7 @@ import numpy as np
 
 from meshmark.research.benchmark.figures.aggregate import main_split, size_classes
 from meshmark.research.benchmark.figures.intervals import Estimate, mean
-from meshmark.research.benchmark.page.layout import NOTHING, Cell, percent
+from meshmark.research.benchmark.page.report_parts import NOTHING, Cell, percent
 from meshmark.research.benchmark.paper.published_claims import CLAIMED, CLASSES
 from meshmark.research.benchmark.run.row import Row
 

@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 
 from meshmark.research.benchmark.figures.intervals import Estimate, rate, rate_by_model, upper_limit
 from meshmark.research.benchmark.figures.labels import NOTHING
-from meshmark.research.benchmark.page.layout import Cell, Plot, Table, percent
-from meshmark.research.benchmark.paper.lines import Line, entries, panel
+from meshmark.research.benchmark.page.report_parts import Cell, Plot, Table, percent
+from meshmark.research.benchmark.paper.line_plot import Line, entries, panel
 from meshmark.research.benchmark.paper.measured import Measured, title_of
 from meshmark.research.benchmark.paper.published_claims import CLAIMED, DOUBTS, FIGURES
 from meshmark.research.benchmark.run.row import Row

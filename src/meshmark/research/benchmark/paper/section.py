@@ -5,20 +5,21 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from meshmark.research import SCHEMES
 from meshmark.research.benchmark.figures.aggregate import size_classes
 from meshmark.research.benchmark.figures.distortion import distortions
-from meshmark.research.benchmark.page.layout import NOTHING, Cell, Section, Table
-from meshmark.research.benchmark.paper.ablation import ablation_tables
+from meshmark.research.benchmark.page.report_parts import NOTHING, Cell, Section, Table
+from meshmark.research.benchmark.paper.ablation_table import ablation_tables
 from meshmark.research.benchmark.paper.classes import classes_of
 from meshmark.research.benchmark.paper.compared import tables
-from meshmark.research.benchmark.paper.detection import detection_parts
 from meshmark.research.benchmark.paper.measured import Measured, title_of
 from meshmark.research.benchmark.paper.rates import rate_parts
+from meshmark.research.benchmark.paper.salient_point_times import detection_parts
 from meshmark.research.benchmark.paper.watermark import watermark_parts
 from meshmark.research.benchmark.run.facts import Facts
 from meshmark.research.benchmark.run.job import Outcome, Probe
 from meshmark.research.benchmark.run.row import Row
-from meshmark.research.schemes import SCHEMES, Scheme
+from meshmark.research.schemes.scheme import Scheme
 
 __all__ = ["SUITE", "paper_section"]
 

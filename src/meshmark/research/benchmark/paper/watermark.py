@@ -7,8 +7,8 @@ from math import inf, log10
 
 from meshmark.research.benchmark.figures.intervals import Estimate, mean
 from meshmark.research.benchmark.figures.labels import family_label, label, steps
-from meshmark.research.benchmark.page.layout import NOTHING, Cell, Entry, Plot, Table, number, percent
-from meshmark.research.benchmark.paper.lines import entries, panel
+from meshmark.research.benchmark.page.report_parts import NOTHING, Cell, Entry, Plot, Table, number, percent
+from meshmark.research.benchmark.paper.line_plot import entries, panel
 from meshmark.research.benchmark.paper.measured import Measured, db_cell, title_of
 from meshmark.research.benchmark.paper.published_claims import DOUBTS
 from meshmark.research.benchmark.run.row import Row

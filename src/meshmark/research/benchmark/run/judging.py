@@ -17,12 +17,12 @@ from meshmark.errors import InputError
 from meshmark.mesh import Mesh
 from meshmark.metrics.bits import ber, correlation, recovered
 from meshmark.metrics.psnr import psnr_db
+from meshmark.research import SCHEMES
 from meshmark.research.benchmark.run.job import Mark, Outcome, mark_of, marks_of
+from meshmark.research.benchmark.run.marked_model import key_of, original, payload_of
 from meshmark.research.benchmark.run.marked_models import load_mark
-from meshmark.research.benchmark.run.marking import key_of, original, payload_of
 from meshmark.research.benchmark.run.row import Case
 from meshmark.research.benchmark.run.seeds import bits_for, generator_for, key_for
-from meshmark.research.schemes import SCHEMES
 from meshmark.research.schemes.scheme import Bits, Readout, Scheme
 
 __all__ = ["attacked_psnr_db", "judge"]

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 
 from meshmark.mesh import Mesh
-from meshmark.research.ablation.carriers import carrier_figures
-from meshmark.research.ablation.detection import detection_figures
-from meshmark.research.ablation.regions import region_figures
+from meshmark.research.ablation.detection_speed import detection_figures
+from meshmark.research.ablation.region_maps import region_figures
+from meshmark.research.ablation.soft_bits import carrier_figures
 from meshmark.research.benchmark.run.job import Outcome, Probe
-from meshmark.research.benchmark.run.marking import original
+from meshmark.research.benchmark.run.marked_model import original
 from meshmark.research.benchmark.run.seeds import generator_for
 
 __all__ = ["PROBES", "probe"]

@@ -9,17 +9,17 @@ from pathlib import Path
 from time import perf_counter
 
 from meshmark.errors import InputError, OutputError
+from meshmark.research import SCHEMES
 from meshmark.research.benchmark.run.facts import Facts, cores, facts_of_now, memory_mb
 from meshmark.research.benchmark.run.job import Job, Look, Mark, Outcome, Probe, mark_of, model_of, needs
 from meshmark.research.benchmark.run.marked_models import clear_unfinished, mark_path
-from meshmark.research.benchmark.run.models import find_models, split_of, spread, write_shipped
+from meshmark.research.benchmark.run.model_files import find_models, split_of, spread, write_shipped
 from meshmark.research.benchmark.run.row import Case, Row
 from meshmark.research.benchmark.run.schedule import Schedule
 from meshmark.research.benchmark.run.store import Store
 from meshmark.research.benchmark.run.suites import SUITES, cases
 from meshmark.research.benchmark.run.worker import Setup
 from meshmark.research.benchmark.run.worker_pool import WorkerPool
-from meshmark.research.schemes import SCHEMES
 
 __all__ = ["Finished", "Plan", "run", "schemes_of"]
 

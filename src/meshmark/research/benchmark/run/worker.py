@@ -16,7 +16,7 @@ from threadpoolctl import threadpool_limits
 from meshmark.errors import CapacityError, MeshmarkError
 from meshmark.research.benchmark.run.job import Job, Look, Mark, Outcome, Probe
 from meshmark.research.benchmark.run.judging import judge
-from meshmark.research.benchmark.run.marking import look, mark
+from meshmark.research.benchmark.run.marked_model import look, mark
 from meshmark.research.benchmark.run.memory import forget_peak, limit_memory, peak_mb
 from meshmark.research.benchmark.run.probes import probe
 

@@ -34,7 +34,7 @@ class WorkerPool:
         try:
             import pebble  # noqa: F401
         except ImportError:
-            raise InputError("benchmarks need pebble: pip install meshmark[bench]") from None
+            raise InputError("benchmarks need pebble: pip install meshmark[research]") from None
         self.setup, self.time_limit = setup, time_limit
         # Children come from a process with one thread, which has imported what they need.
         method = "forkserver" if "forkserver" in get_all_start_methods() else "spawn"

@@ -1,4 +1,4 @@
 """Deep 3D mesh watermarking (Wang et al. 2022): a learnt embedder and extractor on the vertices' graph.
 
-The network runs on numpy; PyTorch (`pip install 'meshmark[deep]'`) is needed to train it only.
+The network runs on numpy; PyTorch (`pip install 'meshmark-research[deep]'`) is needed to train it only.
 """

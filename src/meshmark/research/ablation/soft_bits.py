@@ -8,7 +8,7 @@ import numpy as np
 
 from meshmark.errors import CapacityError
 from meshmark.mesh import FloatArray, IntArray, Mesh
-from meshmark.research.ablation.extraction import EXTRACTIONS
+from meshmark.research.ablation.extraction_rules import EXTRACTIONS
 from meshmark.research.training.demodulator_training import information, raw_errors
 from meshmark.research.training.demodulator_trials import Marked, Trial, mark, trials
 

@@ -14,8 +14,8 @@ import numpy as np
 from meshmark.errors import InputError
 from meshmark.geometry.blocks import blocks
 from meshmark.mesh import FloatArray
-from meshmark.network.levenberg_marquardt import Normal
 from meshmark.network.perceptron import Perceptron
+from meshmark.research.training.levenberg_marquardt import Normal
 
 __all__ = ["LOSSES", "Objective", "logistic", "squares"]
 

@@ -12,7 +12,7 @@ from meshmark.attacks.chain import parse_chain
 from meshmark.geometry.areas import vertex_areas
 from meshmark.geometry.weld import weld
 from meshmark.mesh import IntArray, Mesh
-from meshmark.research.ablation.extraction import EXTRACTIONS
+from meshmark.research.ablation.extraction_rules import EXTRACTIONS
 from meshmark.research.ablation.modules import FULL, Modules, region_map
 from meshmark.research.training.region_trials import Edited, edited_models, judged
 from meshmark.segmentation.map_segmentation import Regions

@@ -9,7 +9,7 @@ import numpy as np
 from meshmark.research.ablation.modules import EMBEDDINGS, PAPER
 from meshmark.research.benchmark.figures.intervals import mean
 from meshmark.research.benchmark.figures.labels import label
-from meshmark.research.benchmark.page.layout import NOTHING, Cell, Table
+from meshmark.research.benchmark.page.report_parts import NOTHING, Cell, Table
 from meshmark.research.benchmark.paper.ablated_regions import (
     Figures,
     area,

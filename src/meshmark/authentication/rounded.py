@@ -6,12 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import KDTree
-from scipy.stats import binom
 
 from meshmark.authentication.checks.coarse_digits import coarse_digits
 from meshmark.authentication.examination import Examination
 from meshmark.authentication.parameters import UNIT
+from meshmark.geometry.kd_tree import kd_tree
 from meshmark.mesh import FloatArray, Mesh
 
 __all__ = ["Rounded", "rounded_everywhere"]
@@ -59,7 +58,9 @@ def rounded_everywhere(mesh: Mesh, found: Examination) -> Rounded | None:
 
 def _crowded(points: FloatArray, failing: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Return (r,): which of `points` (r, 3) lie in a group of which far more are `failing` (r,) than of all."""
-    tree, share = KDTree(points), float(failing.mean())
+    from scipy.stats import binom  # takes longer to import than all the rest
+
+    tree, share = kd_tree(points), float(failing.mean())
     crowded = np.zeros(len(points), bool)
     for size in _GROUPS:
         near = np.asarray(tree.query(points, k=size)[1])

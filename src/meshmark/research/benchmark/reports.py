@@ -10,10 +10,10 @@ from meshmark.io import Staging
 from meshmark.research.benchmark.figures.aggregate import robustness
 from meshmark.research.benchmark.figures.csv_files import results_csv, summary_csv
 from meshmark.research.benchmark.page.drawing import has_matplotlib, legend
-from meshmark.research.benchmark.page.layout import Plot
 from meshmark.research.benchmark.page.markdown import markdown
 from meshmark.research.benchmark.page.page import page
 from meshmark.research.benchmark.page.plots import plots
+from meshmark.research.benchmark.page.report_parts import Plot
 from meshmark.research.benchmark.run.facts import Facts
 from meshmark.research.benchmark.run.job import Outcome, Probe
 from meshmark.research.benchmark.run.row import Row
@@ -44,7 +44,7 @@ def write_reports(
 ) -> list[Path]:
     """Write the reports into a folder and return the paths of report.html, report.md, results.csv, summary.csv.
 
-    The pictures of report.md go to the folder plots, as SVG; without matplotlib (`pip install meshmark[bench]`) the
+    The pictures of report.md go to the folder plots, as SVG; without matplotlib (`pip install meshmark[research]`) the
     reports have none, and say so. The same rows and facts give the same bytes. Raises `OutputError` where a file
     cannot be written.
     """

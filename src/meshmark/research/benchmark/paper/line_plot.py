@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from meshmark.research.benchmark.figures.intervals import Estimate
 from meshmark.research.benchmark.page.drawing import COLOURS, MARKERS, draw
-from meshmark.research.benchmark.page.layout import Entry, Panel, number
+from meshmark.research.benchmark.page.report_parts import Entry, Panel, number
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

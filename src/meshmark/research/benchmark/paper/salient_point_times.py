@@ -7,11 +7,11 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from meshmark.research.benchmark.figures.intervals import Estimate
-from meshmark.research.benchmark.page.layout import Cell, Plot, Table, number
-from meshmark.research.benchmark.paper.lines import entries, panel
+from meshmark.research.benchmark.page.report_parts import Cell, Plot, Table, number
+from meshmark.research.benchmark.paper.line_plot import entries, panel
 from meshmark.research.benchmark.paper.published_claims import CLAIMED, DOUBTS, FIGURES
 from meshmark.research.benchmark.run.job import Outcome, Probe
-from meshmark.research.benchmark.run.models import SIZE_CLASSES
+from meshmark.research.benchmark.run.model_files import SIZE_CLASSES
 
 __all__ = ["detection_parts"]
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares, minimize
 
-from meshmark.network.levenberg_marquardt import Normal, levenberg_marquardt
-from meshmark.network.losses import Objective, logistic, squares
 from meshmark.network.perceptron import Perceptron
+from meshmark.research.training.levenberg_marquardt import Normal, levenberg_marquardt
+from meshmark.research.training.losses import Objective, logistic, squares
 from tests.counting import Share, some
 
 

@@ -10,9 +10,9 @@ import numpy as np
 
 from meshmark.errors import InputError
 from meshmark.mesh import FloatArray
-from meshmark.network.levenberg_marquardt import Trained, levenberg_marquardt
-from meshmark.network.losses import Objective, logistic
 from meshmark.network.perceptron import Perceptron
+from meshmark.research.training.levenberg_marquardt import Trained, levenberg_marquardt
+from meshmark.research.training.losses import Objective, logistic
 
 __all__ = ["Examples", "Recipe", "fitted", "held_out"]
 

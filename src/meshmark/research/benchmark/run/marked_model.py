@@ -14,12 +14,12 @@ from meshmark.geometry.weld import weld
 from meshmark.io import FORMATS, read_mesh, write_mesh
 from meshmark.mesh import Mesh
 from meshmark.metrics import compare
+from meshmark.research import SCHEMES
 from meshmark.research.benchmark.run.job import Look, Mark, Outcome
 from meshmark.research.benchmark.run.marked_models import save_mark
-from meshmark.research.benchmark.run.models import load, load_shipped, size_class
+from meshmark.research.benchmark.run.model_files import load, load_shipped, size_class
 from meshmark.research.benchmark.run.row import Row
 from meshmark.research.benchmark.run.seeds import bits_for, key_for
-from meshmark.research.schemes import SCHEMES
 from meshmark.research.schemes.scheme import Bits
 
 __all__ = ["key_of", "look", "mark", "original", "payload_of"]

@@ -1,0 +1,18 @@
+"""The connected components of a graph, by `scipy.sparse.csgraph`, which is imported with the first graph."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import coo_array, csc_array, csr_array
+
+from meshmark.arrays import IntArray
+
+__all__ = ["connected_components"]
+
+
+def connected_components(graph: csr_array | csc_array | coo_array) -> tuple[int, IntArray]:
+    """Return how many components an undirected graph (n, n) has, and the number of each node's, (n,)."""
+    from scipy.sparse import csgraph
+
+    count, label = csgraph.connected_components(graph, directed=False)
+    return int(count), np.asarray(label, np.int64)
