@@ -47,7 +47,7 @@ class Given:
     embed: Callable[[Mesh], Mesh] | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Attack:
     """One kind of attack; `attack(mesh, strength, rng)` returns the attacked mesh.
 

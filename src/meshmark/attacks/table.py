@@ -58,7 +58,7 @@ _ONCE = _Scale("times", 1, 1)
 def _row(
     function: Function, strengths: tuple[float, ...], scale: _Scale, imitates: str, needs: Need = ""
 ) -> Attack:
-    return Attack(function, strengths, scale.unit, imitates, needs, *scale[1:])
+    return Attack(function=function, strengths=strengths, imitates=imitates, needs=needs, **scale._asdict())
 
 
 _PARTS = (0.01, 0.05, 0.1, 0.2)

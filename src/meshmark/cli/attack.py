@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -27,6 +28,7 @@ _INDENT = 16
 
 
 def attack(
+    *,
     model: Annotated[
         Path | None,
         typer.Argument(metavar="IN", help="Model to attack; it stays as it is. - for standard input."),
@@ -83,7 +85,7 @@ def attack(
     used = others or []
     _check_needs(chain, used)
     staging = staged([(out, None), (map_out, ".csv")], [model, *used], force)
-    job = _Job(model, format, out, map_out, used, staging)
+    job = _Job(model=model, format=format, out=out, map_out=map_out, others=used, staging=staging)
     fields = _attacked(job, chain, seed)
     words = (
         f"Attacked: {named(model)} -> {out}; {chain}, seed {seed}; "
@@ -94,7 +96,8 @@ def attack(
     return 0
 
 
-class _Job(NamedTuple):
+@dataclass(frozen=True, kw_only=True)
+class _Job:
     """The files of one attack."""
 
     model: Path

@@ -31,6 +31,7 @@ _WORDS = {
 
 
 def authenticate(
+    *,
     model: ModelIn,
     key: KeyFile,
     certificate: CertificateIn = None,

@@ -30,6 +30,7 @@ __all__ = ["embed"]
 
 
 def embed(
+    *,
     model: ModelIn,
     out: ModelOut,
     key: KeyFile,
@@ -109,11 +110,11 @@ def embed(
             mesh,
             out,
             secret,
-            number,
-            strength.value,
-            wanted,
-            carried,
-            coarse,
+            id=number,
+            strength=strength.value,
+            layers=wanted,
+            payload=carried,
+            tolerance=coarse,
             recompress=recompress,
             staging=staging,
         )

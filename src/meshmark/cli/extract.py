@@ -23,6 +23,7 @@ EXIT_CODES = {"present": 0, "absent": 1, "inconclusive": 3}
 
 
 def extract(
+    *,
     model: ModelIn,
     key: KeyFile,
     certificate: CertificateIn = None,

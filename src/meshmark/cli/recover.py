@@ -13,6 +13,7 @@ __all__ = ["recover"]
 
 
 def recover(
+    *,
     model: ModelIn,
     out: ModelOut,
     key: KeyFile,

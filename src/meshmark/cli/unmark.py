@@ -22,6 +22,7 @@ __all__ = ["unmark"]
 
 
 def unmark(
+    *,
     model: ModelIn,
     out: ModelOut,
     key: KeyFile,

@@ -59,7 +59,8 @@ def fill_holes(
     ends = np.concatenate([np.stack([rim, np.roll(rim, -1)], axis=1) for rim in rims])
     size = float(np.sqrt(((points[ends[:, 0]] - points[ends[:, 1]]) ** 2).sum(axis=1).mean()))
     fine = split_long_edges(*mini, LONGER * size)
-    patch = _missing(points, faces, edges, ends, fine, GAP * size)
+    surface = _Holed(points=points, faces=faces, border=edges, holes=ends)
+    patch = _missing(surface, fine, GAP * size)
     new = _Sewing(points, faces, fine[0], patch)
     borders = loops(border_edges(patch)) if len(patch) else []
     pairs = _pairs(points, rims, fine[0], borders, REACH * size)
@@ -76,18 +77,22 @@ def fill_holes(
     return new.result()
 
 
-def _missing(
-    points: FloatArray,
-    faces: IntArray,
-    edges: IntArray,
-    rim: IntArray,
-    fine: tuple[FloatArray, IntArray],
-    gap: float,
-) -> IntArray:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Holed:
+    """A surface, its border edges (b, 2), and those (h, 2) around the holes to be filled."""
+
+    points: FloatArray
+    faces: IntArray
+    border: IntArray
+    holes: IntArray
+
+
+def _missing(surface: _Holed, fine: tuple[FloatArray, IntArray], gap: float) -> IntArray:
     """Return the miniature's faces that nothing is left of: their nearest point of the surface is on its border."""
+    points, faces, holes = surface.points, surface.faces, surface.holes
     nearest = SurfaceIndex(points, faces).nearest(fine[0])
     on_border = np.zeros(len(points), bool)
-    on_border[edges] = True
+    on_border[surface.border] = True
     corners = faces[nearest.faces]
     at_border = ((nearest.weights < 1e-6) | on_border[corners]).all(axis=1) & (nearest.weights < 1e-6).any(
         axis=1
@@ -97,7 +102,7 @@ def _missing(
     facing = np.einsum("ij,ij->i", vectors, vertex_normals(*fine))
     far = nearest.distances > FAR * float(np.median(nearest.distances))
     lost = (at_border & (facing > FACING)) | (facing < AWAY) | far
-    tree = cKDTree(np.concatenate([points[rim[:, 0]], points[rim].mean(axis=1)]))
+    tree = cKDTree(np.concatenate([points[holes[:, 0]], points[holes].mean(axis=1)]))
     lost &= tree.query(fine[0])[0] > gap
     part = fine[1][lost[fine[1]].all(axis=1)]
     return _simple(_large(part, fine[0]))

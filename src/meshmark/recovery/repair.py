@@ -81,7 +81,7 @@ def recover(
     if missing:
         off = SurfaceIndex(*mini).nearest(suspect.points[_few(intact)]).distances
         places, faces = with_lost_shells(places, faces, mini, float(np.sqrt(np.mean(off**2))))
-    return _result(suspect, places, faces, int((~out).sum()), used, left)
+    return _result(suspect, places, faces, old=int((~out).sum()), left=left)
 
 
 def _blended(points: FloatArray, faces: IntArray, old: int, mini: tuple[FloatArray, IntArray]) -> FloatArray:
@@ -157,13 +157,13 @@ def _turned(
     return np.asarray(turned / np.maximum(total, 1))
 
 
-def _result(
-    suspect: Welded, points: FloatArray, faces: IntArray, old: int, used: NDArray[np.bool_], left: int
-) -> Recovered:
-    kept = np.zeros(len(points), bool)
-    kept[: len(used)] = ~used  # loose points stay
+def _result(suspect: Welded, points: FloatArray, faces: IntArray, *, old: int, left: int) -> Recovered:
+    """Return the surface without points that lost their faces; the first `old` faces are those of the suspect."""
+    before = len(suspect.points)
+    kept = np.arange(len(points)) < before  # loose points stay
+    kept[suspect.faces] = False
     kept[faces] = True
-    origin = np.where(np.arange(len(points)) < len(used), np.arange(len(points)), -1)[kept]
+    origin = np.where(np.arange(len(points)) < before, np.arange(len(points)), -1)[kept]
     places = points[kept]
     moved = np.zeros(len(places), bool)
     there = origin >= 0

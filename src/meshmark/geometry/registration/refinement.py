@@ -78,7 +78,8 @@ def approach(landmarks: Landmarks, surfels: Surfels, pose: Similarity) -> Simila
         facing = surfels.normals[row] + normals[found]
         facing /= np.sqrt(np.einsum("ij,ij->i", facing, facing))[:, None]
         height = np.einsum("ij,ij->i", surfels.places[row] - places[found], facing)
-        pose, _ = _step(pose, places[found], facing, height, _robust(height, FINEST * pose.scale), None)
+        weights = _robust(height, FINEST * pose.scale)
+        pose, _ = _step(pose, _Heights(places=places[found], normals=facing, heights=height, weights=weights))
     return pose
 
 
@@ -103,7 +104,14 @@ def _through_windows(landmarks: Landmarks, surfels: Surfels, pose: Similarity) -
     facing = np.einsum("ij,ij->i", seen.facing, normals)
     trust = np.where((share > LEAST_SHARE) & (facing > SAME_WAY), share**2, 0.0)
     weights = trust * _robust(seen.heights, FINEST * pose.scale, trust > 0.0)
-    after, unsure = _step(pose, seen.middles, normals, seen.heights, weights, landmarks.curvatures)
+    heights = _Heights(
+        places=seen.middles,
+        normals=normals,
+        heights=seen.heights,
+        weights=weights,
+        drift=landmarks.curvatures,
+    )
+    after, unsure = _step(pose, heights)
     return Fit(pose=after, heights=seen.heights / pose.scale, weights=weights, doubt=unsure / pose.scale)
 
 
@@ -116,23 +124,28 @@ def _robust(heights: FloatArray, finest: float, counted: NDArray[np.bool_] | Non
     return np.asarray(np.clip(1.0 - (heights / limit) ** 2, 0.0, 1.0) ** 2)
 
 
-def _step(
-    pose: Similarity,
-    places: FloatArray,
-    normals: FloatArray,
-    heights: FloatArray,
-    weights: FloatArray,
-    drift: FloatArray | None,
-) -> tuple[Similarity, float]:
-    """Return the pose after one damped Gauss-Newton step, and the standard error of its weakest direction.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Heights:
+    """The surface over n tangent planes: places and normals (n, 3), the planes; heights and weights (n,).
 
-    With `drift` (n,) heights may also follow those numbers times a free factor, as smoothing makes them do.
+    drift: (n,) heights may also follow these numbers times a free factor, as smoothing makes them do; None: not.
     """
+
+    places: FloatArray
+    normals: FloatArray
+    heights: FloatArray
+    weights: FloatArray
+    drift: FloatArray | None = None
+
+
+def _step(pose: Similarity, seen: _Heights) -> tuple[Similarity, float]:
+    """Return the pose after one damped Gauss-Newton step, and the standard error of its weakest direction."""
+    heights, weights, drift = seen.heights, seen.weights, seen.drift
     total = weights.sum()
     if not total > LEAST_WEIGHT:
         return pose, np.inf
-    centre = weights @ places / total
-    jacobian, size = _motions(places - centre, normals)
+    centre = weights @ seen.places / total
+    jacobian, size = _motions(seen.places - centre, seen.normals)
     if drift is not None:
         unit = np.sqrt(weights @ drift**2 / total) or 1.0
         jacobian = np.column_stack([jacobian, drift / unit])

@@ -42,4 +42,13 @@ def parse_obj(data: bytes, path: Path) -> PatchDocument:
         else ()
     )
     load = partial(obj_attributes, data)
-    return patch_document("obj", positions, faces, load, facts, references, remarks, positions.gaps)
+    return patch_document(
+        "obj",
+        positions,
+        faces,
+        load,
+        facts=facts,
+        references=references,
+        remarks=remarks,
+        gaps=positions.gaps,
+    )

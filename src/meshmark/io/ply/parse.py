@@ -40,7 +40,7 @@ def parse_ply(data: bytes, _path: Path) -> PatchDocument:
     }
     load = partial(ply_attributes, header, source, columns, bool((sizes > 3).any()))
     gaps, together = positions.gaps, np.concatenate(faces)
-    return patch_document("ply", positions, together, load, facts, remarks=remarks, gaps=gaps)
+    return patch_document("ply", positions, together, load, facts=facts, remarks=remarks, gaps=gaps)
 
 
 def _source(data: bytes, header: PlyHeader) -> PlyData:
