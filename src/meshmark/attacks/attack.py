@@ -53,7 +53,7 @@ class Attack:
 
     strengths: those of the benchmark, mildest first; strength 0 always changes nothing.
     unit:      what a strength counts.
-    imitates:  what happens to models in life that this stands for.
+    imitates:  the common edit or damage that this stands for.
     needs:     what of `Given` it cannot do without.
     lowest, highest, whole: the strengths other than 0 that it takes; whole numbers only, or all between.
     """

@@ -1,4 +1,4 @@
-"""The table of attacks (DESIGN section 10). Strengths are those of the benchmark, mildest first."""
+"""The table of attacks (docs/design.md, section 10). Strengths are those of the benchmark, mildest first."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from meshmark.attacks.local_smooth import smooth_part
 from meshmark.attacks.noise import gaussian, noise
 from meshmark.attacks.numbering import shuffle, unweld, weld
 from meshmark.attacks.paste import paste
-from meshmark.attacks.placing import affine, mirror, similarity
 from meshmark.attacks.protocol import collusion, copy, second_mark
 from meshmark.attacks.remeshing import remeshing
 from meshmark.attacks.rounding import float32, quantisation
 from meshmark.attacks.simplification import simplification
 from meshmark.attacks.smoothing import smoothing, smoothing_half, taubin
 from meshmark.attacks.subdivision import loop, midpoint, sqrt3
+from meshmark.attacks.transforms import affine, mirror, similarity
 from meshmark.attacks.voxels import voxels
 from meshmark.errors import InputError
 

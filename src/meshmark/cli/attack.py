@@ -1,4 +1,4 @@
-"""`meshmark attack`: do to a model what happens to models in life."""
+"""`meshmark attack`: simulate common edits and attacks."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from meshmark.cli.models import named, read_model
+from meshmark.cli.model_input import named, read_model
 from meshmark.cli.options import AsJson, Force, ModelFormat, ModelFormatIn
 from meshmark.cli.output import answer, described, plural, say
 from meshmark.cli.paths import naming, staged, written_beside
@@ -71,7 +71,7 @@ def attack(
     as_list: Annotated[bool, typer.Option("--list", help="List the attacks and exit.")] = False,
     as_json: AsJson = False,
 ) -> int:
-    """Do to a model what happens to models in life.
+    """Simulate common edits and attacks.
 
     IN after the attack goes to OUT. The same seed gives the same result.
     `meshmark attack --list` names all attacks, with their strengths and what they imitate.

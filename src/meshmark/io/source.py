@@ -32,7 +32,7 @@ _MAX_GROWTH = 200
 _ALWAYS_ALLOWED = 64 << 20
 # For zlib: 32 kB of window, and a gzip header.
 _GZIP_WINDOW = 16 + zlib.MAX_WBITS
-# A stream is read in parts of so many bytes.
+# A stream is read in parts of this many bytes.
 _PART = 1 << 20
 
 

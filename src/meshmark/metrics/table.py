@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
 from meshmark.metrics.bits import ber, correlation, recovered
-from meshmark.metrics.detection import detection_rate, present_rate, threshold_for
+from meshmark.metrics.detection_rates import detection_rate, present_rate, threshold_for
 from meshmark.metrics.displacement import max_over_diagonal, rms_over_diagonal
 from meshmark.metrics.image import image_psnr_db
 from meshmark.metrics.msdm2 import msdm2, msdm2_symmetric
@@ -81,19 +81,38 @@ def _row(function: Callable[..., float], kind: _Kind, meaning: str) -> Metric:
     return Metric(function=function, meaning=meaning, **kind._asdict())
 
 
-# fmt: off
 METRICS: dict[str, Metric] = {
-    "rms_over_diagonal": _row(rms_over_diagonal, _DISTANCE, "root mean square displacement of vertices; needs equal counts"),
-    "max_over_diagonal": _row(max_over_diagonal, _DISTANCE, "largest vertex displacement; needs equal counts"),
-    "mrms_over_diagonal": _row(mrms_over_diagonal, _DISTANCE, "RMS distance between the surfaces, the larger of both directions"),
-    "symmetric_rms_over_diagonal": _row(symmetric_rms_over_diagonal, _DISTANCE, "RMS distance between the surfaces, the mean of both directions"),
-    "hausdorff_over_diagonal": _row(hausdorff_over_diagonal, _DISTANCE, "largest distance between the surfaces, the larger of both directions"),
+    "rms_over_diagonal": _row(
+        rms_over_diagonal, _DISTANCE, "root mean square displacement of vertices; needs equal counts"
+    ),
+    "max_over_diagonal": _row(
+        max_over_diagonal, _DISTANCE, "largest vertex displacement; needs equal counts"
+    ),
+    "mrms_over_diagonal": _row(
+        mrms_over_diagonal, _DISTANCE, "RMS distance between the surfaces, the larger of both directions"
+    ),
+    "symmetric_rms_over_diagonal": _row(
+        symmetric_rms_over_diagonal,
+        _DISTANCE,
+        "RMS distance between the surfaces, the mean of both directions",
+    ),
+    "hausdorff_over_diagonal": _row(
+        hausdorff_over_diagonal,
+        _DISTANCE,
+        "largest distance between the surfaces, the larger of both directions",
+    ),
     "psnr_db": _row(psnr_db, _PSNR, "20 log10(diagonal / RMS distance)"),
     "paper_psnr_db": _row(paper_psnr_db, _PSNR, "eq. 17 with the longest side scaled to 1"),
     "msdm2": _row(msdm2, _VISIBLE, "visible difference of the second model to one who knows the first"),
     "msdm2_symmetric": _row(msdm2_symmetric, _VISIBLE, "visible difference, the mean of both directions"),
-    "normal_deviation_deg": _row(normal_deviation_deg, _ANGLE, "mean angle between normals at matched points"),
-    "recovery_rms_over_diagonal": _row(recovery_rms_over_diagonal, _DISTANCE, "RMS distance of a recovered surface from the original, the mean of both directions"),
+    "normal_deviation_deg": _row(
+        normal_deviation_deg, _ANGLE, "mean angle between normals at matched points"
+    ),
+    "recovery_rms_over_diagonal": _row(
+        recovery_rms_over_diagonal,
+        _DISTANCE,
+        "RMS distance of a recovered surface from the original, the mean of both directions",
+    ),
     "ber": _row(ber, _BIT_ERRORS, "bit error rate; 0.5 is chance"),
     "correlation": _row(correlation, _CORRELATION, "Pearson correlation of payloads; 0 is chance"),
     "recovered": _row(recovered, _PAYLOAD, "1 where every bit of the payload is right, else 0"),
@@ -101,11 +120,20 @@ METRICS: dict[str, Metric] = {
     "recall": _row(recall, _MAP, "of those altered, the share that was found"),
     "iou": _row(iou, _MAP, "rightly called altered, over altered or called so"),
     "image_psnr_db": _row(image_psnr_db, _IMAGE, "20 log10(peak / RMS difference) of an extracted image"),
-    "true_positive_rate": _row(present_rate, _HITS, "(scores of marked models, threshold): share called present"),
-    "false_positive_rate": _row(present_rate, _ALARMS, "(scores of unmarked models, threshold): share called present"),
-    "threshold": _row(threshold_for, _THRESHOLD, "(scores of unmarked models, false-positive rate): the lowest threshold that keeps the rate"),
-    "detection_rate": _row(detection_rate, _HITS, "(marked, unmarked, false-positive rate): true-positive rate at that threshold"),
+    "true_positive_rate": _row(
+        present_rate, _HITS, "(scores of marked models, threshold): share called present"
+    ),
+    "false_positive_rate": _row(
+        present_rate, _ALARMS, "(scores of unmarked models, threshold): share called present"
+    ),
+    "threshold": _row(
+        threshold_for,
+        _THRESHOLD,
+        "(scores of unmarked models, false-positive rate): the lowest threshold that keeps the rate",
+    ),
+    "detection_rate": _row(
+        detection_rate, _HITS, "(marked, unmarked, false-positive rate): true-positive rate at that threshold"
+    ),
     "vertices_per_second": _row(vertices_per_second, _SPEED, "(vertices, seconds): speed by wall clock"),
     "peak_memory_mb": _row(peak_memory_mb, _MEMORY, "(): most memory this process has held"),
 }
-# fmt: on

@@ -1,4 +1,4 @@
-"""A small multilayer perceptron with one output (DESIGN section 5).
+"""A small multilayer perceptron with one output (docs/design.md, section 5).
 
 Inputs are centred and scaled inside, so that weights of order one suit any of them.
 """

@@ -45,6 +45,7 @@ class MeshWalk:
         self.faces: list[tuple[int, int, int]] = []
 
     def add_point(self, place: FloatArray) -> int:
+        """Add a point and return its number; raises `InputError` beyond MOST_POINTS."""
         if self.count == MOST_POINTS:
             raise InputError(f"a miniature has too many points, expected at most {MOST_POINTS}")
         self.places[self.count] = place
@@ -52,6 +53,7 @@ class MeshWalk:
         return self.count - 1
 
     def add_face(self, a: int, b: int, c: int) -> None:
+        """Add a face; each of its edges that it has alone so far becomes one to be crossed."""
         self.faces.append((a, b, c))
         for start, end, across in ((a, b, c), (b, c, a), (c, a, b)):
             self.known.add((start, end))

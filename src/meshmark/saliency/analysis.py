@@ -1,4 +1,4 @@
-"""Saliency of a whole model, told in the vertices of its file."""
+"""Saliency of a whole model, per vertex of its file."""
 
 from __future__ import annotations
 

@@ -53,7 +53,7 @@ def saliency(
 
     beta is the size of `tangent_distance` summed over the scales sigma_j = j * epsilon * diagonal, scaled to
     [0, 1] (eq. 6): tips and pits both count, whichever way the faces are turned. A scale is a discrete
-    Gaussian of `alpha_j = 2 sigma_j^2 / mean squared edge length` (DESIGN section 2).
+    Gaussian of `alpha_j = 2 sigma_j^2 / mean squared edge length` (docs/design.md, section 2).
     """
     edges = unique_edges(faces)
     squared_edge = mean_squared_edge(points, edges)

@@ -1,4 +1,4 @@
-"""Map segmentation of a whole model, told in the vertices of its file."""
+"""Map segmentation of a whole model, per vertex of its file."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Refining a similarity between landmarks and a surface: damped Gauss-Newton on heights over tangent planes.
 
-First each landmark is drawn to the nearest piece of surface that faces its way, then to where its window says that
+First each landmark is moved to the nearest piece of surface that faces its way, then to where its window says that
 it should lie. What has no partner, because it was cut off, gets no weight; a few that disagree get little.
 """
 
@@ -17,16 +17,16 @@ from meshmark.geometry.registration.windows import look
 from meshmark.geometry.similarity import Similarity, rotation_of
 from meshmark.mesh import FloatArray
 
-__all__ = ["Fit", "approach", "doubt", "settle"]
+__all__ = ["Fit", "approach", "doubt", "refine"]
 
 # Neighbours looked at for one that faces the right way.
 NEIGHBOURS = 4
 FACING = 0.4
-# Reach of the nearest-piece steps, in units of the frame's scale, each for so many rounds.
+# Reach of the nearest-piece steps, in units of the frame's scale, one round each.
 REACHES = (0.3, 0.2, 0.12, 0.08, 0.06)
 # Rounds of looking through windows: at coarse pieces, which is quick, and then at fine ones.
 COARSE_ROUNDS, FINE_ROUNDS = 8, 3
-# A spread of heights below this, in units of the frame's scale, is not worth telling apart.
+# A spread of heights below this, in units of the frame's scale, is not worth resolving.
 FINEST = 0.002
 # A window counts that sees at least this share of the landmark's surface, facing about the same way.
 LEAST_SHARE, SAME_WAY = 0.5, 0.7
@@ -34,7 +34,7 @@ LEAST_SHARE, SAME_WAY = 0.5, 0.7
 LEAST_WEIGHT = 8.0
 DAMPING = 1e-3
 FIXED = 1e-5
-# Heights are taken to be at least this uncertain, in units of the frame's scale, when the doubt is told.
+# Least standard deviation of heights, in units of the frame's scale, that standard errors are computed with.
 UNCERTAIN = 0.003
 
 
@@ -64,7 +64,7 @@ def doubt(places: FloatArray, normals: FloatArray) -> float:
 
 
 def approach(landmarks: Landmarks, surfels: Surfels, pose: Similarity) -> Similarity:
-    """Return the pose after a few rounds of drawing each landmark to the nearest piece of surface."""
+    """Return the pose after a few rounds of moving each landmark to the nearest piece of surface."""
     for reach in REACHES:
         places, normals = pose(landmarks.places), pose.turn(landmarks.normals)
         distance, rows = surfels.tree.query(places, NEIGHBOURS, distance_upper_bound=reach * pose.scale)
@@ -83,7 +83,7 @@ def approach(landmarks: Landmarks, surfels: Surfels, pose: Similarity) -> Simila
     return pose
 
 
-def settle(landmarks: Landmarks, coarse: Surfels, fine: Surfels, pose: Similarity) -> Fit:
+def refine(landmarks: Landmarks, coarse: Surfels, fine: Surfels, pose: Similarity) -> Fit:
     """Return the pose at which the windows around the landmarks see the surface, in pieces, at height zero."""
     fit = Fit(pose=pose, heights=np.zeros(len(landmarks)), weights=np.zeros(len(landmarks)), doubt=np.inf)
     for surfels, rounds in ((coarse, COARSE_ROUNDS), (fine, FINE_ROUNDS)):

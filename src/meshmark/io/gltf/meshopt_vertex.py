@@ -37,7 +37,7 @@ Bytes = NDArray[np.uint8]
 def decode_vertices(data: bytes, count: int, stride: int) -> Bytes:
     """Return the rows (count, stride), uint8, of a stream; stride: 4 to 256, a multiple of 4.
 
-    Raises `FormatError` where the bytes are no such stream of exactly so many rows.
+    Raises `FormatError` where the bytes are no such stream of exactly `count` rows.
     """
     version = data[0] - _HEADER if data else -1
     if version not in _TAIL:

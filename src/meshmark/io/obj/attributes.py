@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from meshmark.document import Attributes
 from meshmark.errors import FormatError
 from meshmark.io.colors import rgba
-from meshmark.io.obj.lines import Rows, corner_indices, obj_lines
+from meshmark.io.obj.keyword_lines import Rows, corner_indices, obj_lines
 from meshmark.io.polygons import fan_corners
 from meshmark.io.text.numbers import parse_floats
 from meshmark.mesh import FloatArray, IntArray

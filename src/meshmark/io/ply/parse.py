@@ -12,9 +12,9 @@ from meshmark.geometry.groups import members
 from meshmark.io.binary_positions import BinaryPositions, binary_positions
 from meshmark.io.patch_document import PatchDocument, patch_document
 from meshmark.io.ply.attributes import ply_attributes
+from meshmark.io.ply.columns import Columns, lay_out
 from meshmark.io.ply.data import BinaryData, PlyData, TextData
 from meshmark.io.ply.header import PlyHeader, parse_header
-from meshmark.io.ply.layout import Columns, lay_out
 from meshmark.io.polygons import fan_corners, strip_triangles
 from meshmark.io.text.positions import TextPositions, text_positions
 from meshmark.io.text.tokens import tokenise
