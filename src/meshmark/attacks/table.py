@@ -111,7 +111,23 @@ ATTACKS: dict[str, Attack] = {
 
 
 def find_attack(name: str) -> Attack:
-    """Return the attack of this name; raises `InputError` that lists the valid names for any other."""
+    """Return an attack by its name.
+
+    Parameters
+    ----------
+    name : str
+        A key of `ATTACKS`.
+
+    Returns
+    -------
+    Attack
+        The entry of the table.
+
+    Raises
+    ------
+    InputError
+        There is no such attack; the message lists the names there are.
+    """
     if name not in ATTACKS:
         raise InputError(f"'{name}' is not an attack, expected one of {', '.join(ATTACKS)}")
     return ATTACKS[name]

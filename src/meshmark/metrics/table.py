@@ -44,7 +44,23 @@ class Metric:
     meaning: str
 
     def __call__(self, *arguments: Any) -> float:
-        """Return the measure; raises `InputError` where it is not defined for what was given."""
+        """Return the measure.
+
+        Parameters
+        ----------
+        *arguments
+            What the function takes, as `takes` and `meaning` say.
+
+        Returns
+        -------
+        float
+            A value within `limits`, in `unit`.
+
+        Raises
+        ------
+        InputError
+            The measure is not defined for what was given.
+        """
         return self.function(*arguments)
 
 

@@ -25,8 +25,8 @@ def expected_errors(
     """Return (k,): the median RMS distance at which intact parts of `sizes` (k,) points lie off the miniature.
 
     It is corrected by the boundaries of these parts as it is by those of altered ones (`MiniatureProjection`), so
-    this is what is left where an altered part is back in place. points: (p, 3); graph: (p, p) adjacency; intact: (i,)
-    points; mini: points and faces in the same coordinates.
+    this is what is left where an altered part is back in place. points: (p, 3); graph: (p, p) adjacency;
+    intact: (i,) points; mini: points and faces in the same coordinates.
     """
     inside, places = csr_array(graph[intact][:, intact]), points[intact]
     classes = np.minimum(2 ** np.round(np.log2(np.maximum(sizes, 1))).astype(np.int64), LARGEST)

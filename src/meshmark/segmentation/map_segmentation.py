@@ -87,7 +87,26 @@ def map_regions(points: FloatArray, faces: IntArray, seeds: IntArray) -> Regions
 
     From the seeds the centres of the regions converge by k-means, which makes up for seeds that an attack moves
     (docs/decisions/0012). In each half a power diagram over the centres gives every region 1/n of the area of that
-    half, as compactly as can be (docs/design.md, section 3). Raises `InputError` where the faces have no area.
+    half, as compactly as can be (docs/design.md, section 3).
+
+    Parameters
+    ----------
+    points : (p, 3) array of float
+        Positions; coincident vertices are one point.
+    faces : (m, 3) array of int
+        Triangles, indices into `points`.
+    seeds : (n,) array of int
+        Points at which the centres of the regions start.
+
+    Returns
+    -------
+    Regions
+        Region and half of each point (p,), and each region's share (n,) of the area of both halves.
+
+    Raises
+    ------
+    InputError
+        The faces have no area.
     """
     areas = vertex_areas(points, faces)
     points = canonical_frame(points, faces).to_canonical(points)  # groups of points turn with the model
