@@ -21,7 +21,7 @@ from pathlib import Path
 import numpy as np
 
 from claims.models import DATA, load
-from meshmark.attacks.moving import mean_radius
+from meshmark.attacks.moved_vertices import mean_radius
 
 BITS = 64
 

@@ -155,7 +155,9 @@ def test_without_a_map_a_vertex_is_altered_where_the_nearest_one_before_was(monk
     def renew(_mesh, _strength, _rng, _given):
         return Attacked(mesh=new, origin=None if origin == "none" else np.full(len(new.vertices), -1))
 
-    monkeypatch.setitem(table.ATTACKS, "renew", Attack(renew, (1,), "time", "nothing"))
+    monkeypatch.setitem(
+        table.ATTACKS, "renew", Attack(function=renew, strengths=(1,), unit="time", imitates="nothing")
+    )
     edited = ATTACKS["bump"].apply(MODEL, 0.2, np.random.default_rng(2))
     result = parse_chain("bump:0.2+renew").apply(MODEL, np.random.default_rng(2))
     away = np.linalg.norm(new.vertices[:, None] - edited.mesh.vertices[None], axis=2)

@@ -108,8 +108,8 @@ def test_the_inner_part_moves_rigidly():
     pivot = patch.points.mean(axis=0)
     shift = after[0] - pivot - turn @ (before[0] - pivot)
     assert np.linalg.norm(shift) == pytest.approx(SHIFT * patch.radius)
-    rim = np.linalg.norm(result.mesh.vertices[patch.members[-1]] - MESH.vertices[patch.members[-1]])
-    assert rim < 0.1 * np.linalg.norm(shift)
+    boundary = np.linalg.norm(result.mesh.vertices[patch.members[-1]] - MESH.vertices[patch.members[-1]])
+    assert boundary < 0.1 * np.linalg.norm(shift)
 
 
 def test_the_inner_part_is_scaled_about_its_middle():
@@ -122,19 +122,19 @@ def test_the_inner_part_is_scaled_about_its_middle():
 
 
 @SHARES
-def test_delete_takes_the_patch_and_marks_the_rim(share):
+def test_delete_takes_the_patch_and_marks_the_boundary(share):
     patch, result = patch_of(MESH, share), edited(delete_part, MESH, share)
     gone = set(patch.members.tolist())
     kept_faces = [face for face in MESH.faces.tolist() if not gone & set(face)]
     assert result.origin[result.mesh.faces].tolist() == kept_faces
     assert not gone & set(result.origin.tolist())
-    rim = {vertex for edge in border(result.mesh) for vertex in edge}
-    assert set(np.flatnonzero(result.altered)) == rim
+    boundary = {vertex for edge in border(result.mesh) for vertex in edge}
+    assert set(np.flatnonzero(result.altered)) == boundary
     assert result.mesh.document is None
 
 
 @SHARES
-def test_replaced_part_fits_the_rim(share):
+def test_replaced_part_fits_the_boundary(share):
     patch, result = patch_of(MESH, share), edited(replace_part, MESH, share)
     assert is_closed(result.mesh)
     assert euler(result.mesh) == 2

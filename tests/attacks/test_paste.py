@@ -78,10 +78,10 @@ def test_the_rim_of_the_hole_counts_as_altered():
     result = pasted(0.1, OTHER)
     gone = np.setdiff1d(np.arange(len(MODEL.vertices)), result.origin)
     cut = MODEL.faces[np.isin(MODEL.faces, gone).any(axis=1)]
-    rim = {tuple(MODEL.vertices[v].tolist()) for v in np.setdiff1d(cut, gone)}
+    boundary = {tuple(MODEL.vertices[v].tolist()) for v in np.setdiff1d(cut, gone)}
     old = result.origin >= 0
     marked = {tuple(row) for row in result.mesh.vertices[old & result.altered].tolist()}
-    assert marked == rim
+    assert marked == boundary
     assert result.altered[~old].all()
 
 

@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 
 from meshmark.attacks import remeshing as module
 from meshmark.attacks.attack import Given
-from meshmark.attacks.pieces import manifold_pieces
+from meshmark.attacks.manifold_pieces import manifold_pieces
 from meshmark.attacks.remeshing import remeshing
 from meshmark.errors import InputError
 from meshmark.mesh import Mesh

@@ -79,7 +79,7 @@ def test_midpoint_leaves_the_surface_as_it_is():
 @pytest.mark.parametrize("mesh", [fin(), CLOSED], ids=["fin", "closed"])
 def test_loop_against_a_straight_loop(mesh):
     sides, ring = neighbours(mesh)
-    points, rim = mesh.vertices, defaultdict(list)
+    points, boundary = mesh.vertices, defaultdict(list)
     odd = []
     for edge, third in sides.items():
         a, b = edge
@@ -88,14 +88,14 @@ def test_loop_against_a_straight_loop(mesh):
             odd.append(0.375 * (points[a] + points[b]) + 0.125 * points[third].sum(axis=0))
         else:
             odd.append(middle)
-            rim[a].append(b)
-            rim[b].append(a)
+            boundary[a].append(b)
+            boundary[b].append(a)
     even = points.copy()
     for vertex, around in ring.items():
         n = len(around)
-        if len(rim[vertex]) == 2:
-            even[vertex] = 0.75 * points[vertex] + 0.125 * points[rim[vertex]].sum(axis=0)
-        elif not rim[vertex]:
+        if len(boundary[vertex]) == 2:
+            even[vertex] = 0.75 * points[vertex] + 0.125 * points[boundary[vertex]].sum(axis=0)
+        elif not boundary[vertex]:
             beta = (0.625 - (0.375 + 0.25 * np.cos(2 * np.pi / n)) ** 2) / n
             even[vertex] = (1 - n * beta) * points[vertex] + beta * points[list(around)].sum(axis=0)
     result = subdivided(loop, mesh).mesh

@@ -25,7 +25,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def other(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Another model, smaller than the one that comes along."""
+    """Another model, smaller than the one that is included."""
     path = tmp_path_factory.mktemp("other") / "other.glb"
     mm.write_mesh(mm.Mesh(*pebble(110)), path)
     return path

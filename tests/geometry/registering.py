@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from meshmark.geometry.frame import Frame, canonical_frame
 from meshmark.geometry.registration.landmarks import Landmarks
-from meshmark.geometry.registration.prepared_surface import Surface
+from meshmark.geometry.registration.prepared_surface import PreparedSurface
 from meshmark.geometry.similarity import Similarity
 from meshmark.mesh import FloatArray, IntArray
 from tests.shapes import pebble
@@ -36,7 +36,7 @@ def reference() -> tuple[Landmarks, Frame]:
     """Landmarks of the lump and its frame."""
     points, faces = lump()
     frame = canonical_frame(points, faces)
-    return Surface(points, faces, frame).landmarks(250), frame
+    return PreparedSurface(points, faces, frame).landmarks(250), frame
 
 
 def any_similarity(seed: int) -> Similarity:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from meshmark.geometry.registration.landmarks import LEAST_FLATNESS, WIDTH, spread
-from meshmark.geometry.registration.prepared_surface import Surface
+from meshmark.geometry.registration.prepared_surface import PreparedSurface
 from meshmark.geometry.registration.surfels import Surfels
 from meshmark.geometry.registration.windows import look
 from tests.geometry.registering import lump, reference
@@ -13,7 +13,7 @@ from tests.geometry.registering import lump, reference
 def test_the_surface_lies_at_height_zero_over_each_landmark():
     points, faces = lump()
     landmarks, frame = reference()
-    seen = look(Surface(points, faces, frame).fine, landmarks.places, landmarks.normals, WIDTH)
+    seen = look(PreparedSurface(points, faces, frame).fine, landmarks.places, landmarks.normals, WIDTH)
     assert np.abs(seen.heights).max() < 2e-3
     np.testing.assert_allclose(seen.masses, landmarks.masses)
     assert (seen.flatness > LEAST_FLATNESS).all()

@@ -3,8 +3,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from meshmark.geometry.registration.prepared_surface import Surface
-from meshmark.geometry.registration.refinement import approach, settle
+from meshmark.geometry.registration.prepared_surface import PreparedSurface
+from meshmark.geometry.registration.refinement import approach, refine
 from meshmark.geometry.similarity import Similarity
 from tests.geometry.registering import distance, lump, reference
 
@@ -17,12 +17,12 @@ def off(seed: int, size: float) -> Similarity:
 
 def test_the_planted_pose_comes_back_from_far_and_near():
     landmarks, frame = reference()
-    surface = Surface(*lump(), frame)
+    surface = PreparedSurface(*lump(), frame)
     for seed in range(4):
         start = off(seed, 0.06)
         near = approach(landmarks, surface.coarse, start)
         assert distance(near, Similarity.identity(), landmarks.places) < 0.03
-        fit = settle(landmarks, surface.coarse, surface.fine, near)
+        fit = refine(landmarks, surface.coarse, surface.fine, near)
         assert distance(fit.pose, Similarity.identity(), landmarks.places) < 2e-3
         assert fit.doubt < 0.01
 
@@ -32,8 +32,8 @@ def test_what_was_cut_off_has_no_weight_and_does_no_harm():
     points, faces = lump()
     canonical = frame.to_canonical(points)
     kept = faces[(canonical[faces, 0] < 0.2).all(axis=1)]
-    surface = Surface(points, kept, frame)
-    fit = settle(landmarks, surface.coarse, surface.fine, approach(landmarks, surface.coarse, off(1, 0.03)))
+    surface = PreparedSurface(points, kept, frame)
+    fit = refine(landmarks, surface.coarse, surface.fine, approach(landmarks, surface.coarse, off(1, 0.03)))
     assert distance(fit.pose, Similarity.identity(), landmarks.places) < 4e-3
     assert (fit.weights[landmarks.places[:, 0] > 0.4] == 0.0).all()
     assert np.median(fit.weights[landmarks.places[:, 0] < 0.0]) > 0.5
@@ -49,17 +49,17 @@ def test_a_plane_leaves_doubt():
             np.column_stack([corner + 30, corner + 31, corner + 1]),
         ]
     )
-    surface = Surface(points, faces)
+    surface = PreparedSurface(points, faces)
     landmarks = surface.landmarks(100)
-    fit = settle(landmarks, surface.coarse, surface.fine, Similarity.identity())
+    fit = refine(landmarks, surface.coarse, surface.fine, Similarity.identity())
     assert fit.doubt > 0.05
 
 
 def test_far_from_the_surface_nothing_moves():
     landmarks, frame = reference()
-    surface = Surface(*lump(), frame)
+    surface = PreparedSurface(*lump(), frame)
     away = Similarity(scale=1.0, rotation=np.eye(3), shift=np.array([50.0, 0.0, 0.0]))
     assert approach(landmarks, surface.coarse, away) is away
-    fit = settle(landmarks, surface.coarse, surface.fine, away)
+    fit = refine(landmarks, surface.coarse, surface.fine, away)
     assert fit.pose is away
     assert fit.doubt == np.inf

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from meshmark.attacks import parse_chain
-from meshmark.geometry.registration.prepared_surface import Surface
+from meshmark.geometry.registration.prepared_surface import PreparedSurface
 from meshmark.geometry.registration.register import KEPT, register
 from meshmark.geometry.weld import weld
 from meshmark.mesh import Mesh
@@ -29,7 +29,7 @@ def test_the_pose_of_an_attacked_and_moved_lump_is_found(chain):
     attacked = parse_chain(chain)(Mesh(*lump()), np.random.default_rng(5))
     move = any_similarity(len(chain))
     moved = weld(Mesh(move(attacked.vertices), attacked.faces))
-    found = register(landmarks, home, Surface(moved.points, moved.faces))
+    found = register(landmarks, home, PreparedSurface(moved.points, moved.faces))
     true = move.after(in_scene(home))
     assert distance(found[0].pose, true, landmarks.places) < 0.01
     assert found[0].explained > 0.8
@@ -39,7 +39,7 @@ def test_the_pose_of_an_attacked_and_moved_lump_is_found(chain):
 
 def test_an_untouched_model_is_found_to_the_last_digits_that_pieces_allow():
     landmarks, home = reference()
-    best = register(landmarks, home, Surface(*lump()))[0]
+    best = register(landmarks, home, PreparedSurface(*lump()))[0]
     assert distance(best.pose, in_scene(home), landmarks.places) < 1e-3
     assert best.share > 0.95
     assert best.rms < 1e-3
@@ -49,7 +49,7 @@ def test_the_same_input_gives_the_same_poses():
     landmarks, home = reference()
     attacked = parse_chain("crop:0.4+similarity")(Mesh(*lump(48)), np.random.default_rng(1))
     surface = weld(attacked)
-    one, other = (register(landmarks, home, Surface(surface.points, surface.faces)) for _ in range(2))
+    one, other = (register(landmarks, home, PreparedSurface(surface.points, surface.faces)) for _ in range(2))
     assert len(one) == len(other) > 0
     for a, b in some(zip(one, other, strict=True)):
         np.testing.assert_array_equal(a.pose(landmarks.places), b.pose(landmarks.places))
@@ -58,7 +58,7 @@ def test_the_same_input_gives_the_same_poses():
 def test_another_model_is_not_taken_for_the_reference():
     landmarks, home = reference()
     points, faces = pebble(48)
-    found = register(landmarks, home, Surface(points * [1.0, 0.4, 2.0], faces))
+    found = register(landmarks, home, PreparedSurface(points * [1.0, 0.4, 2.0], faces))
     assert [fit for fit in found if fit.quality >= 0.7] == []
 
 
@@ -83,12 +83,12 @@ def plane() -> tuple[np.ndarray, np.ndarray]:
 @pytest.mark.parametrize("shape", [sphere, cylinder, plane])
 def test_what_does_not_determine_a_pose_gives_none(shape):
     points, faces = shape()
-    surface = Surface(points, faces)
+    surface = PreparedSurface(points, faces)
     assert register(surface.landmarks(200), surface.frame, surface) == []
 
 
 def test_a_single_triangle_gives_none():
     landmarks, home = reference()
-    triangle = Surface(np.eye(3), np.array([[0, 1, 2]]))
+    triangle = PreparedSurface(np.eye(3), np.array([[0, 1, 2]]))
     assert register(landmarks, home, triangle) == []
-    assert register(triangle.landmarks(200), triangle.frame, Surface(*lump())) == []
+    assert register(triangle.landmarks(200), triangle.frame, PreparedSurface(*lump())) == []

@@ -12,7 +12,7 @@ from meshmark.errors import FormatError, InputError
 from meshmark.io import FORMATS, read_mesh, write_mesh
 from meshmark.io import source as source_module
 from meshmark.io.formats import detect_format, format_of_name
-from meshmark.io.source import gzipped
+from meshmark.io.gzip_data import gzipped
 from meshmark.mesh import Mesh
 from tests.counting import some
 from tests.io.text_samples import SAMPLES
@@ -123,7 +123,7 @@ def test_files_that_are_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     with pytest.raises(InputError, match="not a model file in a known format"):
         read_mesh(tmp_path / "notes.txt")
     (tmp_path / "big.off").write_bytes(OFF)
-    monkeypatch.setattr(source_module, "_MAX_BYTES", 10)
+    monkeypatch.setattr(source_module, "MOST_BYTES", 10)
     with pytest.raises(InputError, match="larger than"):
         read_mesh(tmp_path / "big.off")
 

@@ -21,10 +21,10 @@ def random_network(seed: int, hidden: tuple[int, ...], inputs: int = 3) -> tuple
 
 def test_values_are_the_formula():
     network = Perceptron(
-        (2, 2, 1),
-        np.array([1.0, -1.0]),
-        np.array([2.0, 4.0]),
-        np.array([1.0, 2.0, 3.0, 4.0, 0.1, 0.2, 5.0, 6.0, 0.3]),
+        sizes=(2, 2, 1),
+        centre=np.array([1.0, -1.0]),
+        scale=np.array([2.0, 4.0]),
+        weights=np.array([1.0, 2.0, 3.0, 4.0, 0.1, 0.2, 5.0, 6.0, 0.3]),
     )
     a, b = (3.0 - 1.0) / 2.0, (7.0 + 1.0) / 4.0
     expected = 5.0 * np.tanh(a + 2 * b + 0.1) + 6.0 * np.tanh(3 * a + 4 * b + 0.2) + 0.3

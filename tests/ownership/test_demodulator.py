@@ -20,7 +20,9 @@ def wild_network(seed: int) -> Perceptron:
     sizes = (len(FEATURES), 6, 3, 1)
     rng = np.random.default_rng(seed)
     weights = rng.normal(size=count_weights(sizes))
-    return Perceptron(sizes, rng.normal(size=len(FEATURES)), np.ones(len(FEATURES)), weights)
+    return Perceptron(
+        sizes=sizes, centre=rng.normal(size=len(FEATURES)), scale=np.ones(len(FEATURES)), weights=weights
+    )
 
 
 @given(seed=st.integers(0, 10_000), cell=st.integers(0, 89))

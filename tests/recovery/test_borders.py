@@ -62,8 +62,8 @@ def test_broken_walks_and_walks_of_two_are_left_out():
 
 def test_a_fan_closes_a_hole_and_has_the_area_that_its_border_says():
     points, faces = grid(6)
-    (rim,) = loops(border_edges(faces))
-    made = fan(rim[::-1], len(points))
+    (boundary,) = loops(border_edges(faces))
+    made = fan(boundary[::-1], len(points))
     assert len(border_edges(np.concatenate([faces, made]))) == 0
     whole = np.concatenate([points, [[0.5, 0.5, 0.7]]])
     np.testing.assert_allclose(area_vector(whole, made), -area_vector(points, faces), atol=1e-12)

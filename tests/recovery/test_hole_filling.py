@@ -21,20 +21,20 @@ def mini(whole):
 
 
 def without(surface, place: np.ndarray, radius: float):
-    """Return points and the faces that do not touch a ball, and which points are on the rim of the hole."""
+    """Return points and the faces that do not touch a ball, and which points are on the boundary of the hole."""
     points, faces = surface
     hit = np.linalg.norm(points - place, axis=1) < radius
     left = faces[~hit[faces].any(axis=1)]
-    rim = np.zeros(len(points), bool)
-    rim[border_edges(left)] = True
-    return points, left, rim
+    boundary = np.zeros(len(points), bool)
+    boundary[border_edges(left)] = True
+    return points, left, boundary
 
 
 @pytest.mark.parametrize("radius", [0.25, 0.5, 0.9])
 @pytest.mark.parametrize("seed", [1, 400, 900])
 def test_a_hole_is_closed_as_the_miniature_has_it(whole, mini, radius, seed):
-    points, left, rim = without(whole, whole[0][seed], radius)
-    filled = fill_holes(points, left, rim, rim, mini)
+    points, left, boundary = without(whole, whole[0][seed], radius)
+    filled = fill_holes(points, left, boundary, boundary, mini)
     assert not len(border_edges(filled.faces))
     assert euler(filled.faces) == 2
     assert np.array_equal(filled.points[: len(points)], points)
@@ -49,37 +49,37 @@ def test_a_hole_is_closed_as_the_miniature_has_it(whole, mini, radius, seed):
 
 def test_two_holes_are_closed_each_by_its_own_part(whole, mini):
     points, left, _ = without(whole, whole[0][whole[0][:, 0].argmax()], 0.5)
-    points, left, rim = without((points, left), whole[0][whole[0][:, 0].argmin()], 0.5)
-    filled = fill_holes(points, left, rim, rim, mini)
+    points, left, boundary = without((points, left), whole[0][whole[0][:, 0].argmin()], 0.5)
+    filled = fill_holes(points, left, boundary, boundary, mini)
     assert not len(border_edges(filled.faces))
     assert euler(filled.faces) == 2
     assert off(*whole, filled.points[len(points) :]).max() < 0.03
 
 
 def test_a_hole_whose_rim_is_not_touched_stays(whole, mini):
-    points, left, rim = without(whole, whole[0][400], 0.5)
-    filled = fill_holes(points, left, np.zeros(len(points), bool), rim, mini)
+    points, left, boundary = without(whole, whole[0][400], 0.5)
+    filled = fill_holes(points, left, np.zeros(len(points), bool), boundary, mini)
     assert filled.points is points
     assert filled.faces is left
 
 
 def test_a_hole_that_the_miniature_has_too_stays(whole):
-    points, left, rim = without(whole, whole[0][400], 0.5)
+    points, left, boundary = without(whole, whole[0][400], 0.5)
     used = np.unique(left)
     own = simplify(points[used], np.searchsorted(used, left), 400)
-    filled = fill_holes(points, left, rim, rim, own)
+    filled = fill_holes(points, left, boundary, boundary, own)
     assert np.array_equal(filled.faces, left)
 
 
-@pytest.mark.parametrize(("is_torn", "open_edges"), [(True, 0), (False, 3)])
-def test_a_hole_too_small_for_the_miniature_is_closed_by_a_fan_if_torn(whole, mini, is_torn, open_edges):
+@pytest.mark.parametrize(("is_opened", "open_edges"), [(True, 0), (False, 3)])
+def test_a_hole_too_small_for_the_miniature_is_closed_by_a_fan_if_opened(whole, mini, is_opened, open_edges):
     points, faces = whole
     left = np.delete(faces, 700, axis=0)
-    rim = np.zeros(len(points), bool)
-    rim[faces[700]] = True
-    filled = fill_holes(points, left, rim, rim & is_torn, mini)
+    boundary = np.zeros(len(points), bool)
+    boundary[faces[700]] = True
+    filled = fill_holes(points, left, boundary, boundary & is_opened, mini)
     assert len(border_edges(filled.faces)) == open_edges
-    assert len(filled.faces) == len(left) + 3 * is_torn
-    assert len(filled.points) == len(points) + is_torn
+    assert len(filled.faces) == len(left) + 3 * is_opened
+    assert len(filled.points) == len(points) + is_opened
     middle = points[faces[700]].mean(axis=0)
-    np.testing.assert_allclose(filled.points[len(points) :], np.tile(middle, (int(is_torn), 1)))
+    np.testing.assert_allclose(filled.points[len(points) :], np.tile(middle, (int(is_opened), 1)))

@@ -118,7 +118,7 @@ def test_what_is_less_than_the_miniature_tells_gets_no_worse_and_is_said(model, 
     assert not found.moved.any()
 
 
-def test_a_shell_of_which_nothing_is_left_returns_where_points_are_known_to_be_missing(model):
+def test_a_component_of_which_nothing_is_left_returns_where_points_are_known_to_be_missing(model):
     other, faces = pebble(40)
     both = Mesh(
         np.concatenate([model.vertices, 0.4 * other + [3.0, 1.0, 0.5]]),

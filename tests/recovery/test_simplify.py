@@ -28,10 +28,10 @@ def test_simplification_keeps_borders_in_place():
     points, faces, _ = sphere_with_a_spike(24)
     part = faces[(points[faces][:, :, 2] > 0.1).all(axis=1)]
     few, small = simplify(points, part, 40)
-    rim = few[np.unique(border_edges(small))]
+    boundary = few[np.unique(border_edges(small))]
     low = points[part][:, :, 2].min()
-    assert len(rim) >= 6
-    assert np.abs(rim[:, 2] - low).max() < 0.05
+    assert len(boundary) >= 6
+    assert np.abs(boundary[:, 2] - low).max() < 0.05
     assert euler(small) == 1  # still a disc
 
 

@@ -9,7 +9,7 @@ from meshmark.geometry.view import from_behind, three_quarter_view
 from meshmark.io import read_mesh
 from meshmark.mesh import Mesh
 from meshmark.report.tamper_map import write_tamper_map
-from meshmark.segmentation.region_labels import whereabouts
+from meshmark.segmentation.region_labels import region_labels
 from tests.shapes import pebble
 
 
@@ -45,5 +45,5 @@ def test_places_are_named_as_the_picture_shows_them():
     seen = points @ view.T
     low, high = seen.min(axis=0), seen.max(axis=0)
     corners = np.array([[0, 1, 1], [1, 0, 1], [0.5, 0.5, 0.5], [0.5, 1, 0], [0, 0.5, 0.5], [0.5, 0.5, 0]])
-    named = whereabouts(points, (low + corners * (high - low)) @ view)
+    named = region_labels(points, (low + corners * (high - low)) @ view)
     assert named == ["top left", "bottom right", "middle", "top back", "left", "back"]

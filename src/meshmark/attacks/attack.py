@@ -47,13 +47,13 @@ class Given:
     embed: Callable[[Mesh], Mesh] | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Attack:
     """One kind of attack; `attack(mesh, strength, rng)` returns the attacked mesh.
 
     strengths: those of the benchmark, mildest first; strength 0 always changes nothing.
     unit:      what a strength counts.
-    imitates:  what happens to models in life that this stands for.
+    imitates:  the common edit or damage that this stands for.
     needs:     what of `Given` it cannot do without.
     lowest, highest, whole: the strengths other than 0 that it takes; whole numbers only, or all between.
     """
@@ -100,8 +100,26 @@ class Attack:
     ) -> Attacked:
         """Attack a mesh, which stays as it is; the same generator state gives the same result.
 
-        Raises `InputError` for a strength that the attack does not take, a mesh it cannot work on, or where
-        `given` lacks what it needs.
+        Parameters
+        ----------
+        mesh : Mesh
+            The model, at least one vertex.
+        strength : float
+            0, which changes nothing, or a strength that `check` accepts, in `unit`.
+        rng : numpy.random.Generator
+            Source of all that is random.
+        given : Given, optional
+            What the attacker holds besides the model; `needs` says what is required.
+
+        Returns
+        -------
+        Attacked
+            The attacked mesh, and where its vertices came from.
+
+        Raises
+        ------
+        InputError
+            The attack does not take this strength or cannot work on this mesh, or `given` lacks what it needs.
         """
         self.check(strength)
         if strength == 0.0:

@@ -70,8 +70,21 @@ class Chain:
 def parse_chain(text: str) -> Chain:
     """Read a chain such as "crop:0.1+noise:0.003+similarity", or "none".
 
-    A step without a strength takes the attack's default, the middle of its strengths in the table.
-    Raises `InputError` for an unknown name, or a strength that is no number or that the attack does not take.
+    Parameters
+    ----------
+    text : str
+        Steps joined by plus signs, each a key of `ATTACKS` and, after a colon, a strength. A step without a
+        strength takes the attack's default, the middle of its strengths in the table.
+
+    Returns
+    -------
+    Chain
+        The steps in order; none for "none".
+
+    Raises
+    ------
+    InputError
+        A name is unknown, or a strength is no number or not one that the attack takes.
     """
     if text.strip() == NOTHING:
         return Chain()

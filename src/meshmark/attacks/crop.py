@@ -1,4 +1,4 @@
-"""Cropping by a plane (DESIGN section 10)."""
+"""Cropping by a plane (docs/design.md, section 10)."""
 
 from __future__ import annotations
 

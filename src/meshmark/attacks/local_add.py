@@ -16,7 +16,7 @@ __all__ = ["add_part"]
 
 FEWEST = 12
 SUNK = 0.5
-"""The middle of the new piece lies so many of its radii above the surface, so that the two overlap."""
+"""The middle of the new piece lies this many of its radii above the surface, so that the two overlap."""
 UNEVEN = 0.1
 """The new piece is out of round by this share of its radius."""
 

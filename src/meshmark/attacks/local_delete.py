@@ -16,16 +16,17 @@ __all__ = ["delete_part", "without_loose"]
 def delete_part(mesh: Mesh, strength: float, rng: np.random.Generator, _given: Given) -> Attacked:
     """Delete the share `strength` of the vertices, around a random one, with all faces there.
 
-    `altered` marks the vertices on the rim of the hole, none where whole parts went; vertices whose last face went
-    are gone, too. Raises `InputError` for a share of 1 or more, a mesh without faces, and where none would be left.
+    `altered` marks the vertices on the boundary of the hole, none where whole parts went; vertices whose last face
+    went are gone, too. Raises `InputError` for a share of 1 or more, a mesh without faces,
+    and where none would be left.
     """
     patch = draw_patch(mesh, strength, rng)
     gone = patch.holds[patch.welded.point_of_vertex][mesh.faces].any(axis=1)
     if gone.all():
         raise InputError(f"deleting {strength:g} of the vertices leaves no face, expected a smaller share")
-    rim = np.zeros(len(patch.welded.points), bool)  # by points, so that both sides of a seam are marked
-    rim[patch.welded.point_of_vertex[mesh.faces[gone]]] = True
-    altered = rim[patch.welded.point_of_vertex]
+    boundary = np.zeros(len(patch.welded.points), bool)  # by points, so that both sides of a seam are marked
+    boundary[patch.welded.point_of_vertex[mesh.faces[gone]]] = True
+    altered = boundary[patch.welded.point_of_vertex]
     lost = np.zeros(len(mesh.vertices), bool)
     lost[mesh.faces[gone]] = True
     return without_loose(mesh.vertices, mesh.faces[~gone], np.arange(len(mesh.vertices)), altered, lost)

@@ -1,4 +1,4 @@
-"""A part of the model replaced by another piece that fits into the same rim."""
+"""A part of the model replaced by another piece that fits into the same boundary."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ WAVELENGTH = 0.6
 def replace_part(mesh: Mesh, strength: float, rng: np.random.Generator, _given: Given) -> Attacked:
     """Replace the share `strength` of the vertices, around a random one, by a new piece of surface.
 
-    The faces there make way for finer ones (root-3 pattern, rim unchanged), which are smoothed until only the rim
-    and the coarsest shape hold them, and get waves of their own. `altered` marks all vertices of the new piece but
-    the rim; they have no origin. All others stay bit by bit, rim included. Raises `InputError` for a share of 1 or
-    more, and a mesh without faces.
+    The faces there make way for finer ones (root-3 pattern, boundary unchanged), which are smoothed until only the
+    boundary and the coarsest shape hold them, and get waves of their own. `altered` marks all vertices of the new
+    piece but the boundary; they have no origin. All others stay bit by bit, boundary included. Raises `InputError`
+    for a share of 1 or more, and a mesh without faces.
     """
     patch = draw_patch(mesh, strength, rng)
     welded = patch.welded

@@ -1,11 +1,11 @@
-"""Noise on the coordinates, uniform or normal (DESIGN section 10)."""
+"""Noise on the coordinates, uniform or normal (docs/design.md, section 10)."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from meshmark.attacks.attack import Attacked, Given
-from meshmark.attacks.moving import mean_radius, moved_points
+from meshmark.attacks.moved_vertices import mean_radius, moved_points
 from meshmark.geometry.weld import weld
 from meshmark.mesh import Mesh
 

@@ -1,4 +1,4 @@
-"""Cut and paste: a part of another marked model takes the place of a part of this one (DESIGN section 10)."""
+"""Cut and paste: a part of another marked model replaces a part of this one (docs/design.md, section 10)."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from meshmark.attacks.attack import Attacked, Given
 from meshmark.attacks.crop import without
 from meshmark.attacks.local_patch import Patch, draw_patch
-from meshmark.attacks.moving import moved
+from meshmark.attacks.moved_vertices import moved
 from meshmark.errors import InputError
 from meshmark.mesh import FloatArray, Mesh
 
@@ -23,7 +23,7 @@ def paste(mesh: Mesh, strength: float, rng: np.random.Generator, given: Given) -
     A donor with the same vertices and faces (the same model with another mark) gives the positions of the same
     vertices, wherever it lies; `altered` marks those that this moves. Of any other donor the same share, around
     a random point of its own, is cut out, turned and scaled to the hole, and laid in without sewing; `altered`
-    marks the new vertices and the rim of the hole.
+    marks the new vertices and the boundary of the hole.
     Raises `InputError` for a share of 1 or more, a model without faces, and where either part has too few.
     """
     donor = cast(Mesh, given.donor)  # `Attack.apply` has checked that there is one
@@ -55,8 +55,8 @@ def _joined(hole: Patch, piece: Mesh, share: float) -> Attacked:
         raise InputError(
             f"pasting {share:g} of the points leaves no face of the {which}, expected a {wanted} share"
         )
-    rim = np.zeros(len(hole.welded.points), bool)  # by points, so that both sides of a seam are marked
-    rim[hole.welded.point_of_vertex[mesh.faces[gone[mesh.faces].any(axis=1)]]] = True
+    boundary = np.zeros(len(hole.welded.points), bool)  # by points, so that both sides of a seam are marked
+    boundary[hole.welded.point_of_vertex[mesh.faces[gone[mesh.faces].any(axis=1)]]] = True
     count, new = len(rest.mesh.vertices), len(piece.vertices)
     return Attacked(
         mesh=Mesh(
@@ -64,7 +64,7 @@ def _joined(hole: Patch, piece: Mesh, share: float) -> Attacked:
             np.concatenate([rest.mesh.faces, piece.faces + count]),
         ),
         origin=np.concatenate([np.flatnonzero(~gone), np.full(new, -1)]),
-        altered=np.concatenate([rim[hole.welded.point_of_vertex[~gone]], np.ones(new, bool)]),
+        altered=np.concatenate([boundary[hole.welded.point_of_vertex[~gone]], np.ones(new, bool)]),
     )
 
 

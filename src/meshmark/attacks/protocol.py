@@ -12,7 +12,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from meshmark.attacks.attack import Attacked, Given
-from meshmark.attacks.moving import moved, moved_points
+from meshmark.attacks.moved_vertices import moved, moved_points
 from meshmark.errors import InputError
 from meshmark.geometry.adjacency import mean_squared_edge, unique_edges
 from meshmark.geometry.areas import vertex_normals

@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from meshmark.attacks.attack import Attacked, Given
-from meshmark.attacks.optional import missing
-from meshmark.attacks.pieces import manifold_pieces
+from meshmark.attacks.manifold_pieces import manifold_pieces
+from meshmark.attacks.optional_library import missing
 from meshmark.errors import InputError
 from meshmark.geometry.adjacency import unique_edges
 from meshmark.geometry.areas import face_areas

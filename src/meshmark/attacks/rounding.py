@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from meshmark.attacks.attack import Attacked, Given
-from meshmark.attacks.moving import moved
+from meshmark.attacks.moved_vertices import moved
 from meshmark.errors import InputError
 from meshmark.mesh import FloatArray, Mesh
 

@@ -1,6 +1,6 @@
 """Laplacian and Taubin smoothing with equal weights over the 1-ring.
 
-DESIGN section 10; G. Taubin, A signal processing approach to fair surface design (SIGGRAPH 1995),
+docs/design.md, section 10; G. Taubin, A signal processing approach to fair surface design (SIGGRAPH 1995),
 doi:10.1145/218380.218473.
 """
 
@@ -12,7 +12,7 @@ from itertools import repeat
 import numpy as np
 
 from meshmark.attacks.attack import Attacked, Given
-from meshmark.attacks.moving import moved_points
+from meshmark.attacks.moved_vertices import moved_points
 from meshmark.geometry.adjacency import unique_edges
 from meshmark.geometry.scale_space import random_walk
 from meshmark.geometry.weld import weld

@@ -111,8 +111,8 @@ def _loop(points: FloatArray, faces: IntArray) -> tuple[FloatArray, IntArray]:
     middle[inner] = 0.75 * middle[inner] + 0.125 * opposite[inner]
 
     old = points.copy()
-    rim = np.bincount(edges.ends[edges.border].ravel(), minlength=len(points))
-    smooth, along = rim == 0, rim == 2
+    boundary = np.bincount(edges.ends[edges.border].ravel(), minlength=len(points))
+    smooth, along = boundary == 0, boundary == 2
     valence, around = _ring(points, edges.ends)
     smooth &= valence > 0
     n = np.maximum(valence, 1)

@@ -1,4 +1,4 @@
-"""The table of attacks (DESIGN section 10). Strengths are those of the benchmark, mildest first."""
+"""The table of attacks (docs/design.md, section 10). Strengths are those of the benchmark, mildest first."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from meshmark.attacks.local_smooth import smooth_part
 from meshmark.attacks.noise import gaussian, noise
 from meshmark.attacks.numbering import shuffle, unweld, weld
 from meshmark.attacks.paste import paste
-from meshmark.attacks.placing import affine, mirror, similarity
 from meshmark.attacks.protocol import collusion, copy, second_mark
 from meshmark.attacks.remeshing import remeshing
 from meshmark.attacks.rounding import float32, quantisation
 from meshmark.attacks.simplification import simplification
 from meshmark.attacks.smoothing import smoothing, smoothing_half, taubin
 from meshmark.attacks.subdivision import loop, midpoint, sqrt3
+from meshmark.attacks.transforms import affine, mirror, similarity
 from meshmark.attacks.voxels import voxels
 from meshmark.errors import InputError
 
@@ -58,7 +58,7 @@ _ONCE = _Scale("times", 1, 1)
 def _row(
     function: Function, strengths: tuple[float, ...], scale: _Scale, imitates: str, needs: Need = ""
 ) -> Attack:
-    return Attack(function, strengths, scale.unit, imitates, needs, *scale[1:])
+    return Attack(function=function, strengths=strengths, imitates=imitates, needs=needs, **scale._asdict())
 
 
 _PARTS = (0.01, 0.05, 0.1, 0.2)
@@ -111,7 +111,23 @@ ATTACKS: dict[str, Attack] = {
 
 
 def find_attack(name: str) -> Attack:
-    """Return the attack of this name; raises `InputError` that lists the valid names for any other."""
+    """Return an attack by its name.
+
+    Parameters
+    ----------
+    name : str
+        A key of `ATTACKS`.
+
+    Returns
+    -------
+    Attack
+        The entry of the table.
+
+    Raises
+    ------
+    InputError
+        There is no such attack; the message lists the names there are.
+    """
     if name not in ATTACKS:
         raise InputError(f"'{name}' is not an attack, expected one of {', '.join(ATTACKS)}")
     return ATTACKS[name]

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshmark.attacks.attack import Attacked, Given
-from meshmark.attacks.optional import library
+from meshmark.attacks.optional_library import library
 from meshmark.attacks.voxel_distance import band_distance, split_triangles
 from meshmark.attacks.voxel_winding import solid_nodes
 from meshmark.errors import InputError
@@ -74,7 +74,7 @@ def _signed_distance(points: FloatArray, faces: IntArray) -> NDArray[np.float32]
     high = np.ceil(points.max(axis=0)).astype(np.int64) + MARGIN + 1
     shape = (int(high[0]), int(high[1]), int(high[2]))
     solid = solid_nodes(points, faces, shape)
-    single = np.unique(np.sort(faces, axis=1), axis=0)  # soups hold many a face twice
+    single = np.unique(np.sort(faces, axis=1), axis=0)  # polygon soups hold many faces twice
     triangles = split_triangles(points[single])
     sheet = _far_from(solid, triangles.mean(axis=1))
     field = band_distance(triangles[~sheet], shape, BAND)

@@ -36,7 +36,7 @@ from meshmark.errors import InputError
 from meshmark.geometry.frame import Frame, canonical_frame
 from meshmark.geometry.registration.descriptors import DESCRIPTOR_LENGTH
 from meshmark.geometry.registration.landmarks import Landmarks
-from meshmark.geometry.registration.prepared_surface import Surface
+from meshmark.geometry.registration.prepared_surface import PreparedSurface
 from meshmark.geometry.shown import Shown
 from meshmark.io.atomic_write import write_whole
 from meshmark.io.staging import Staging
@@ -184,7 +184,7 @@ def certify(
     if repeated_only and isinstance(welded, Shown):
         welded = next(only_repeated(welded), welded)
     frame = canonical_frame(welded.points, welded.faces)
-    landmarks = Surface(welded.points, welded.faces, frame).landmarks(LANDMARKS)
+    landmarks = PreparedSurface(welded.points, welded.faces, frame).landmarks(LANDMARKS)
     return Certificate(
         landmarks=_rounded(landmarks),
         frame=frame,

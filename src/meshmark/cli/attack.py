@@ -1,14 +1,15 @@
-"""`meshmark attack`: do to a model what happens to models in life."""
+"""`meshmark attack`: simulate common edits and attacks."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from meshmark.cli.models import named, read_model
+from meshmark.cli.model_input import named, read_model
 from meshmark.cli.options import AsJson, Force, ModelFormat, ModelFormatIn
 from meshmark.cli.output import answer, described, plural, say
 from meshmark.cli.paths import naming, staged, written_beside
@@ -27,6 +28,7 @@ _INDENT = 16
 
 
 def attack(
+    *,
     model: Annotated[
         Path | None,
         typer.Argument(metavar="IN", help="Model to attack; it stays as it is. - for standard input."),
@@ -69,7 +71,7 @@ def attack(
     as_list: Annotated[bool, typer.Option("--list", help="List the attacks and exit.")] = False,
     as_json: AsJson = False,
 ) -> int:
-    """Do to a model what happens to models in life.
+    """Simulate common edits and attacks.
 
     IN after the attack goes to OUT. The same seed gives the same result.
     `meshmark attack --list` names all attacks, with their strengths and what they imitate.
@@ -83,7 +85,7 @@ def attack(
     used = others or []
     _check_needs(chain, used)
     staging = staged([(out, None), (map_out, ".csv")], [model, *used], force)
-    job = _Job(model, format, out, map_out, used, staging)
+    job = _Job(model=model, format=format, out=out, map_out=map_out, others=used, staging=staging)
     fields = _attacked(job, chain, seed)
     words = (
         f"Attacked: {named(model)} -> {out}; {chain}, seed {seed}; "
@@ -94,7 +96,8 @@ def attack(
     return 0
 
 
-class _Job(NamedTuple):
+@dataclass(frozen=True, kw_only=True)
+class _Job:
     """The files of one attack."""
 
     model: Path

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from meshmark.cli.models import named, read_model
+from meshmark.cli.model_input import named, read_model
 from meshmark.cli.options import AsJson, CertificateIn, Force, KeyFile, ModelFormatIn, ModelIn, OriginalIn
 from meshmark.cli.output import answer, described, say
 from meshmark.cli.paths import naming, staged
@@ -31,6 +31,7 @@ _WORDS = {
 
 
 def authenticate(
+    *,
     model: ModelIn,
     key: KeyFile,
     certificate: CertificateIn = None,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from meshmark.cli.models import named, read_model
+from meshmark.cli.model_input import named, read_model
 from meshmark.cli.options import AsJson, ModelFormatIn
 from meshmark.cli.output import answer, described, percent
 from meshmark.cli.paths import STANDARD_INPUT, naming

@@ -33,7 +33,7 @@ SCALE, SEED = 2.5, 2026
 def demo(
     model: Annotated[
         Path | None,
-        typer.Argument(metavar="MODEL", help="Model to use instead of the hare that comes along."),
+        typer.Argument(metavar="MODEL", help="Model to use instead of the hare that is included."),
     ] = None,
     out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder for the files.")] = Path(
         "meshmark-demo"
@@ -105,8 +105,8 @@ def _shown(model: Path | None, places: Places, force: bool) -> int:
     chance = f"chance of a false alarm {in_words(found.log10_false_positive)}"
     steps.done("Read", f"with the key alone: {found.presence}{f', id {identity}; {chance}' if back else ''}")
     with progress("looking for the mark"):
-        stranger = extract(suspect, Key.generate())
-    steps.done("Read", f"with another key: {stranger.presence}")
+        mismatch = extract(suspect, Key.generate())
+    steps.done("Read", f"with another key: {mismatch.presence}")
 
     for remark in embedded.remarks:
         say(f"meshmark: {remark}")

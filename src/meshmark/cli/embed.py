@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from meshmark.cli.models import named, read_model
+from meshmark.cli.model_input import named, read_model
 from meshmark.cli.options import (
     AsJson,
     Force,
@@ -30,6 +30,7 @@ __all__ = ["embed"]
 
 
 def embed(
+    *,
     model: ModelIn,
     out: ModelOut,
     key: KeyFile,
@@ -109,11 +110,11 @@ def embed(
             mesh,
             out,
             secret,
-            number,
-            strength.value,
-            wanted,
-            carried,
-            coarse,
+            id=number,
+            strength=strength.value,
+            layers=wanted,
+            payload=carried,
+            tolerance=coarse,
             recompress=recompress,
             staging=staging,
         )

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from meshmark.cli.models import named, read_model
+from meshmark.cli.model_input import named, read_model
 from meshmark.cli.options import AsJson, CertificateIn, KeyFile, ModelFormatIn, ModelIn, OriginalIn, Search
 from meshmark.cli.output import answer, described
 from meshmark.cli.paths import naming
@@ -23,6 +23,7 @@ EXIT_CODES = {"present": 0, "absent": 1, "inconclusive": 3}
 
 
 def extract(
+    *,
     model: ModelIn,
     key: KeyFile,
     certificate: CertificateIn = None,
@@ -32,7 +33,9 @@ def extract(
     ] = Search.quick,
     time_limit: Annotated[
         float | None,
-        typer.Option(metavar="SECONDS", help="Give up after so long; without it, everything is tried."),
+        typer.Option(
+            metavar="SECONDS", help="Stop after this many seconds; without it, everything is tried."
+        ),
     ] = None,
     format: ModelFormatIn = None,
     as_json: AsJson = False,

@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from meshmark.cli.models import named, read_model
+from meshmark.cli.model_input import named, read_model
 from meshmark.cli.options import AsJson, ModelFormat, ModelFormatIn, ModelIn
 from meshmark.cli.output import answer, described, say
 from meshmark.cli.paths import STANDARD_INPUT, naming
@@ -38,7 +38,7 @@ def info(model: ModelIn, format: ModelFormatIn = None, as_json: AsJson = False) 
 
 
 def _fields(path: Path, format: ModelFormat | None) -> tuple[dict[str, Any], Key | None]:
-    """Return what is to be told, and the key where the file is one."""
+    """Return what is to be printed, and the key where the file is one."""
     from meshmark.coding.keys import Key, is_key_file
 
     if path != STANDARD_INPUT and is_key_file(path):

@@ -73,7 +73,7 @@ def _bar(*columns: ProgressColumn, live: bool = True) -> Progress:
 
 @contextmanager
 def counted(noun: str) -> Iterator[Callable[[int, int, int], None]]:
-    """Give a function `told(done, total, failed)` that draws a bar on a terminal, or a line per 100 in a pipe."""
+    """Give a function `report(done, total, failed)` that draws a bar on a terminal, or a line per 100 in a pipe."""
     shown = _Counted(noun)
     try:
         yield shown

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from meshmark.cli.models import named, read_model
+from meshmark.cli.model_input import named, read_model
 from meshmark.cli.options import AsJson, CertificateIn, Force, KeyFile, ModelFormatIn, ModelIn, ModelOut
 from meshmark.cli.output import answer, described, percent, plural, say
 from meshmark.cli.paths import naming, staged, written_beside
@@ -13,6 +13,7 @@ __all__ = ["recover"]
 
 
 def recover(
+    *,
     model: ModelIn,
     out: ModelOut,
     key: KeyFile,

@@ -1,11 +1,11 @@
-"""What a command may be told about a model besides the key: its certificate, or the original."""
+"""What a command may be given about a model besides the key: its certificate, or the original."""
 
 from __future__ import annotations
 
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from meshmark.cli.models import read_model
+from meshmark.cli.model_input import read_model
 from meshmark.errors import InputError
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ def load_reference(
 ) -> Certificate | Mesh | None:
     """Return what the file of the one that is given holds, None without any.
 
-    staging: of the outputs, which is told not to touch the files of the original.
+    staging: of the outputs, which must not touch the files of the original.
     """
 
     if certificate is not None:

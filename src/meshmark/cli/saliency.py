@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from meshmark.cli.models import named, read_model
+from meshmark.cli.model_input import named, read_model
 from meshmark.cli.options import AsJson, Force, ModelFormatIn, ModelIn, Picture
 from meshmark.cli.output import answer, described, plural
 from meshmark.cli.paths import naming, staged

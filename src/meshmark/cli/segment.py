@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from meshmark.cli.models import named, read_model
+from meshmark.cli.model_input import named, read_model
 from meshmark.cli.options import AsJson, Force, ModelFormatIn, ModelIn, Picture
 from meshmark.cli.output import answer, described, plural
 from meshmark.cli.paths import naming, staged
@@ -18,7 +18,7 @@ def segment(
     force: Force = False,
     as_json: AsJson = False,
 ) -> int:
-    """Part a model into regions.
+    """Split a model into regions.
 
     Each region lies around a salient point and has a fair share of the model's two halves, green and blue.
     """

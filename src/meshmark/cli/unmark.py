@@ -7,7 +7,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from meshmark.cli.models import named, read_model
+from meshmark.cli.model_input import named, read_model
 from meshmark.cli.options import AsJson, CertificateNeeded, Force, KeyFile, ModelFormatIn, ModelIn, ModelOut
 from meshmark.cli.output import answer, described, percent, say
 from meshmark.cli.paths import naming, staged, written_beside
@@ -22,6 +22,7 @@ __all__ = ["unmark"]
 
 
 def unmark(
+    *,
     model: ModelIn,
     out: ModelOut,
     key: KeyFile,

@@ -32,6 +32,16 @@ class Key:
     """A secret key; cannot be changed, printed or pickled, and compares in constant time.
 
     Every use of the key goes through `subkey`, so that no two parts of meshmark share random numbers.
+
+    Parameters
+    ----------
+    secret : bytes
+        The 32 bytes of the key; `Key.generate` draws them, `Key.load` reads them from a file.
+
+    Raises
+    ------
+    InputError
+        `secret` is not of 32 bytes.
     """
 
     __slots__ = ("_secret",)
@@ -50,7 +60,23 @@ class Key:
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Key:
-        """Read a key file; raises `KeyFileError`, which never quotes what the file holds."""
+        """Read a key file.
+
+        Parameters
+        ----------
+        path : str or path-like
+            The file, as `save` writes it.
+
+        Returns
+        -------
+        Key
+            The key of the file.
+
+        Raises
+        ------
+        KeyFileError
+            The file cannot be read or holds no key; the message never quotes what it holds.
+        """
         name = os.fspath(path)
         try:
             with Path(path).open("rb") as file:
@@ -69,9 +95,19 @@ class Key:
         return cls(bytes.fromhex(match[1].decode()))
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the key to a new file of mode 0600; raises `OutputError`, also when the file exists.
+        """Write the key to a new file of mode 0600.
 
         The file appears complete or not at all: the name is taken first, the content moved onto it after.
+
+        Parameters
+        ----------
+        path : str or path-like
+            The file to make; a key is never overwritten.
+
+        Raises
+        ------
+        OutputError
+            The file exists or cannot be written.
         """
         target = Path(path)
         temporary = target.with_name(f".{target.name}.{secrets.token_hex(8)}")
@@ -100,6 +136,21 @@ class Key:
         """Return the 32 bytes for one purpose: HMAC-SHA256 of its name.
 
         The name stands where HKDF (RFC 5869) has its info and a counter: one block of pseudorandom output.
+
+        Parameters
+        ----------
+        purpose : str
+            What the bytes are for; the same name gives the same bytes.
+
+        Returns
+        -------
+        bytes
+            32 pseudorandom bytes.
+
+        Raises
+        ------
+        InputError
+            The name is empty.
         """
         if not purpose:
             raise InputError("a subkey needs the name of its purpose, got an empty one")

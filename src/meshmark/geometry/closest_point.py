@@ -20,7 +20,7 @@ __all__ = ["Nearest", "SurfaceIndex"]
 QUERIES_AT_ONCE = 1 << 15
 # Pairs of query and box that are looked at together: bounds memory where everything is equally near.
 PAIRS_AT_ONCE = 1 << 18
-# Queries farther away than so many extents are handled in double precision.
+# Queries farther away than this many extents are handled in double precision.
 LARGEST_SINGLE = 1e6
 # A face is tried for its distance at every third level: more often costs more than the pruning wins (measured).
 GUESS_EVERY = 3
@@ -77,7 +77,7 @@ class SurfaceIndex:
         weights = np.column_stack([np.maximum(1.0 - shares.sum(axis=1), 0.0), shares])
         corners = self._faces[faces]
         points = sum(weights[:, i, None] * self._points[corners[:, i]] for i in range(3))
-        self._shared.settle(faces, weights)
+        self._shared.use_first_face(faces, weights)
         return Nearest(
             distances=distances, faces=faces, weights=weights, points=np.asarray(points).reshape(-1, 3)
         )

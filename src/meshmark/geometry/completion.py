@@ -31,7 +31,7 @@ SIDE, TOP = 0.6, 0.8
 LARGEST = 1.0
 # The turn of axes counts by how far it moves the surface: two thirds of the squared angle.
 TURN = 0.67
-# So many times the frames asked for are ranked.
+# This many times the number of frames asked for are ranked.
 RANKED = 8
 
 

@@ -66,7 +66,7 @@ class Parts:
         return np.searchsorted(self.points(part), own)
 
     def alike(self, least: int) -> list[IntArray]:
-        """Return the parts of at least so many points, grouped by their counts, those of most points first."""
+        """Return the parts of at least `least` points, grouped by their counts, those of most points first."""
         large = np.flatnonzero(self.counts[:, 0] >= least)
         large = large[np.lexsort((large, self.counts[large, 1], -self.counts[large, 0]))]
         change = (np.diff(self.counts[large], axis=0) != 0).any(axis=1)

@@ -21,15 +21,15 @@ from meshmark.mesh import FloatArray, IntArray
 __all__ = ["FIRST_LARGEST", "Copies", "find_copies"]
 
 FIRST_LARGEST = 0.999
-"""Of several copies the first is taken that is at least so many times as large as the largest."""
+"""Of several copies the first is taken that is at least this share of the size of the largest."""
 # Parts looked at where one should lie: several may have the same middle.
 _NEAR = 4
 # Comparisons of parts that fail, after which no more are made: of many parts that are nearly alike few are copies.
 _MOST_FAILED = 300
 # Moments over size squared of copies that were changed, or cut, differ by less than this.
 _ALIKE_EDITED, _ALIKE_CUT = 0.05, 0.3
-# Of the largest parts so many are compared with each other for copies that were changed, and points of these may be
-# so many times as many, or as few, as the original's.
+# Number of the largest parts that are compared with each other for copies that were changed, and the largest factor
+# between the numbers of points of such a copy and its original.
 _MOST_EDITED, _MOST_LOST = 16, 3.0
 
 
@@ -104,7 +104,7 @@ class _Search:
                 maps.append(found)
             left = [part for part in left if part not in set(members)]
             if len(members) > 1:
-                self._settle(members, maps)
+                self._take_group(members, maps)
 
     def compare_edited(self, group: IntArray, *, cut: bool) -> None:
         """Find which of these parts were copies of another one before they were changed."""
@@ -148,7 +148,7 @@ class _Search:
     def _most(self, part: int) -> float:
         return float(self._tolerance(self._points, self._parts.size[[part]])[0])
 
-    def _settle(self, members: list[int], maps: list[Affine]) -> None:
+    def _take_group(self, members: list[int], maps: list[Affine]) -> None:
         """Take one of these parts, of which the maps take the first one to each, for the original of the others."""
         scale = np.array([abs(np.linalg.det(affine.linear)) ** (1 / 3) for affine in maps])
         best = int(np.argmax(scale >= FIRST_LARGEST * scale.max()))

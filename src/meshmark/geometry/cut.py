@@ -13,14 +13,14 @@ __all__ = ["Cut", "find_cut"]
 
 # Fewer open edges than this are a hole, not a cut.
 FEWEST_EDGES = 8
-# Planes are tried through so many triples of open edges, and judged by so many points and open edges.
+# Triples of open edges through which planes are tried, and points and open edges by which a plane is judged.
 TRIPLES = 1500
 JUDGES = 3000
-# A cut is ragged: open edges lie within so many median edges of its plane, and hardly a point lies beyond it.
+# A cut is ragged: open edges lie within this many median edges of its plane, and hardly a point lies beyond it.
 RAGGED = 1.5
 BEYOND, BEYOND_SHARE = 2.0, 0.002
-# The faces at a cut end there, so they lead across its plane: by this cosine, in the mean over its border. In soups
-# of polygons open edges lie along any plane, but their faces mostly lie in it.
+# The faces at a cut end there, so they lead across its plane: by this cosine, in the mean over its border. In
+# polygon soups open edges lie along any plane, but their faces mostly lie in it.
 ACROSS = 0.3
 # Nearly all of a flat model lies close to some plane; of a part that was cut at most this share does.
 MOST_NEAR = 0.3
@@ -65,7 +65,7 @@ def find_cut(points: FloatArray, faces: IntArray) -> Cut | None:
     normal, centre = found
     for _ in range(REFINEMENTS):
         near = (np.abs((middle - centre) @ normal) < RAGGED * edge) & (outward @ normal > WITHIN * length)
-        if not near.any():  # the border lies in another plane than the three edges told
+        if not near.any():  # the border lies in another plane than the three edges gave
             return None
         weight = length[near] / length[near].sum()
         centre = weight @ middle[near]

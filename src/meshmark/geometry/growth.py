@@ -57,7 +57,7 @@ def half_edges(points: FloatArray, faces: IntArray) -> HalfEdges:
     )
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Growth:
     """The neighbourhoods of the points `centres` (c,), as flat lists; `owner` is a row of `centres`.
 
@@ -121,8 +121,19 @@ def _grow(points: FloatArray, graph: HalfEdges, centres: IntArray, radius: float
         offset = (points.take(point, axis=0) - points.take(centres.take(owner), axis=0)).T
         squared = _dot(offset, offset)
         reached.append((owner, point, squared))
-    join = [np.concatenate(parts) for parts in (*zip(*reached, strict=True), *zip(*followed, strict=True))]
-    return Growth(centres, *join)
+    owners, points_, squares = (np.concatenate(parts) for parts in zip(*reached, strict=True))
+    edge_owners, edges, alongs, nears, fars = (np.concatenate(parts) for parts in zip(*followed, strict=True))
+    return Growth(
+        centres=centres,
+        owner=owners,
+        point=points_,
+        squared=squares,
+        edge_owner=edge_owners,
+        half_edge=edges,
+        along=alongs,
+        near=nears,
+        far=fars,
+    )
 
 
 def _edges_from(graph: HalfEdges, point: IntArray) -> tuple[IntArray, IntArray]:

@@ -16,7 +16,7 @@ from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["EdgeSamples", "open_edges", "sample_open_edges"]
 
-# An edge is split into this many pieces, and all edges into about so many samples, at most.
+# An edge is split into this many pieces, and all edges into about this many samples, at most.
 MAX_PIECES = 64
 MAX_SAMPLES = 500_000
 

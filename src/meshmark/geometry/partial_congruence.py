@@ -14,11 +14,12 @@ from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["partial_congruence"]
 
-# So many points that stayed, and such a share of all, prove a copy.
+# A copy is proved by at least this many points that stayed, and this share of all.
 _FEWEST, _SHARE = 24, 0.4
 # Maps from three pairs that are tried, and how often the best one is fitted anew to what it explains.
 _TRIES, _PASSES = 24, 3
-# Rings are alike whose lengths, over their mean, differ by less than this, and by so many times less than the next.
+# Rings are alike whose lengths, over their mean, differ by less than _ALIKE, and by less than the next best ring's
+# difference divided by _CLEARLY.
 _ALIKE, _CLEARLY = 1e-3, 4.0
 # Neighbours of a point that are compared.
 _RING = 8

@@ -17,7 +17,7 @@ from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["Sampler", "Samples", "gathered", "plan_samples"]
 
-# A face is split into so many pieces each way, and all faces into about so many samples, at most: huge or very
+# At most: pieces that a face is split into each way, and, about, samples of all faces together. Huge or very
 # spiky surfaces cannot exhaust memory; the window then sees a coarser sum.
 MAX_SPLIT = 256
 MAX_SAMPLES = 1_500_000

@@ -3,7 +3,7 @@
 With the random walk W the Gaussian of scale alpha is `exp(-alpha (I - W))`, in Chebyshev polynomials
 `e^-alpha [I_0(alpha) + 2 sum_n I_n(alpha) T_n(W)]`, I_n the modified Bessel functions. Only the coefficients
 depend on alpha, so the T_n are computed once for any number of scales. On a path graph the kernel is the
-paper's T(n, alpha) = e^-alpha I_n(alpha) (eq. 4-5; DESIGN section 2).
+paper's T(n, alpha) = e^-alpha I_n(alpha) (eq. 4-5; docs/design.md, section 2).
 """
 
 from __future__ import annotations

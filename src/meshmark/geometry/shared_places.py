@@ -28,7 +28,7 @@ class SharedPlaces:
         )
         self._edge_faces = first // 3
 
-    def settle(self, faces: IntArray, weights: FloatArray) -> None:
+    def use_first_face(self, faces: IntArray, weights: FloatArray) -> None:
         """Replace, in place, faces (n,) and weights (n, 3) by those of the first face that holds the same place."""
         zero = weights <= ZERO
         zeros = zero.sum(axis=1)

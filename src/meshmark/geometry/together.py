@@ -11,7 +11,7 @@ from meshmark.mesh import FloatArray
 
 __all__ = ["together"]
 
-# Joined points may be near to others in turn; a chain of points that is longer than so many reaches is left alone.
+# Joined points may be near to others in turn; a chain of points longer than this many reaches is left alone.
 _ROUNDS, _LONGEST = 3, 4.0
 
 

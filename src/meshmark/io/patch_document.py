@@ -86,6 +86,7 @@ def patch_document(
     positions: Positions,
     faces: IntArray,
     load_attributes: Callable[[], Attributes],
+    *,
     facts: Mapping[str, Any],
     references: tuple[Path, ...] = (),
     remarks: tuple[str, ...] = (),

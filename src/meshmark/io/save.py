@@ -13,7 +13,8 @@ import numpy as np
 from meshmark.document import Attributes
 from meshmark.errors import InputError, MeshmarkError, OutputError
 from meshmark.io.formats import FORMATS, Format, check_extension, format_of_name
-from meshmark.io.source import SourceFile, gzipped
+from meshmark.io.gzip_data import gzipped
+from meshmark.io.source import SourceFile
 from meshmark.io.staging import Staging
 from meshmark.mesh import FloatArray, IntArray, Mesh
 
@@ -34,9 +35,19 @@ class WriteReport:
 
 
 def conform(mesh: Mesh, vertices: FloatArray) -> FloatArray:
-    """Return the (n, 3) positions that the mesh's file would hold, after its own precision, for these.
+    """Return the positions that the mesh's file would hold, after its own precision, for these.
 
-    A mesh made in memory holds any double.
+    Parameters
+    ----------
+    mesh : Mesh
+        A mesh of n vertices; one made in memory holds any double.
+    vertices : (n, 3) array of float
+        Positions to be saved.
+
+    Returns
+    -------
+    (n, 3) array of float
+        The same positions after a save and another reading.
     """
     return vertices.copy() if mesh.document is None else mesh.document.conform(vertices)
 
@@ -52,16 +63,38 @@ def write_mesh(
 ) -> WriteReport:
     """Write a mesh to `path`: positions patched into the file it came from, or converted to a new one.
 
-    The format is the extension's, or without an extension that of the file read. A patched save changes
-    nothing but positions and copies side files (materials, images) that are not there yet. All files are
-    complete before any is moved into place; on failure none is left. `verify` is given the model among the
-    complete files, before they have their places, and stops the save by raising. `default` is the format, a key
-    of `FORMATS`, for a mesh made in memory where the path has no known extension. A compressed file (glTF) is
-    written uncompressed, as `decompressed` says, unless nothing moved; `recompress` compresses it as it was.
-    `staging` takes the files, to move them into place together with others; without it that is done at once, and
-    existing files are replaced.
-    Raises `InputError` where `path` is the file read or one it refers to, or has no known format or the extension
-    of one that is not written, or cannot be compressed as it was, and `OutputError` where it cannot be written.
+    A patched save changes nothing but positions and copies side files (materials, images) that are not there yet.
+    All files are complete before any is moved into place; on failure none is left. A compressed file (glTF) is
+    written uncompressed, as `WriteReport.decompressed` says, unless nothing moved.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The surface; `mesh.document` is the file that positions are patched into, None for a new file.
+    path : str or Path
+        Its extension says the format; without an extension it is that of the file read.
+    verify : callable, optional
+        Called with the path of the complete model before it is moved into place; raising stops the save.
+    default : str, optional
+        The format, a key of `FORMATS`, of a mesh made in memory where the path has no known extension.
+    recompress : bool
+        Compress a file that was compressed as it was.
+    staging : Staging, optional
+        Takes the files, to move them into place together with others. Without it that is done at once, and
+        existing files are replaced.
+
+    Returns
+    -------
+    WriteReport
+        What the written file does not hold any more.
+
+    Raises
+    ------
+    InputError
+        `path` is the file read or one it refers to, has no known format or one that is not written, or cannot be
+        compressed as it was.
+    OutputError
+        A file cannot be written.
     """
     path = Path(path)
     entry = _format_for(mesh, path, default)
@@ -122,7 +155,20 @@ def uncompressed(report: WriteReport, path: Path) -> tuple[str, ...]:
 
 
 def check_recompression(mesh: Mesh, path: Path) -> None:
-    """Raise `InputError` where a mesh cannot be written to `path` compressed as its file was."""
+    """Check that a mesh can be written to `path` compressed as its file was.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        A mesh that was read from a file.
+    path : Path
+        Where it would be written.
+
+    Raises
+    ------
+    InputError
+        It was not compressed, would be written in another format, or its compression cannot be made.
+    """
     document = mesh.document
     if not isinstance(document, SourceFile) or _format_for(mesh, path, None).name != document.format:
         raise InputError(f"cannot compress {path} as its input is: it is written in another format")
@@ -163,7 +209,18 @@ def _checked_target(path: Path, inputs: Sequence[Path]) -> Path:
 
 
 def input_files(mesh: Mesh) -> tuple[Path, ...]:
-    """Return the files that a mesh was read from, none for one made in memory: the model, and what it refers to."""
+    """Return the files that a mesh was read from.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Any mesh.
+
+    Returns
+    -------
+    tuple of Path
+        The model and the files that it refers to; none for a mesh made in memory.
+    """
     source = mesh.document
     if not isinstance(source, SourceFile):
         return ()

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import io
-import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from gzip import GzipFile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
@@ -15,24 +13,18 @@ import numpy as np
 from meshmark.document import Attributes, Document
 from meshmark.errors import FormatError, InputError
 from meshmark.io.formats import FORMATS, Format, detect_format
+from meshmark.io.gzip_data import GZIP_MAGIC, MOST_BYTES, gzipped, unpacked
 from meshmark.io.wording import amount
 from meshmark.mesh import FloatArray, IntArray, Mesh
 
 if TYPE_CHECKING:
     from meshmark.io.archive import Archive
 
-__all__ = ["SourceFile", "gzipped", "parse_mesh", "read_mesh", "read_mesh_from"]
+__all__ = ["SourceFile", "parse_mesh", "read_mesh", "read_mesh_from"]
 
-_GZIP_MAGIC, _ZIP_MAGIC = b"\x1f\x8b", b"PK\x03\x04"
+_ZIP_MAGIC = b"PK\x03\x04"
 
-# Files beyond this are refused: their arrays would not fit into an ordinary machine's memory.
-_MAX_BYTES = 4 << 30
-# Text of numbers shrinks up to twentyfold; a small file that grows beyond both limits is a trap.
-_MAX_GROWTH = 200
-_ALWAYS_ALLOWED = 64 << 20
-# For zlib: 32 kB of window, and a gzip header.
-_GZIP_WINDOW = 16 + zlib.MAX_WBITS
-# A stream is read in parts of so many bytes.
+# A stream is read in parts of this many bytes.
 _PART = 1 << 20
 
 
@@ -118,8 +110,8 @@ class SourceFile:
             return dict(files)
         from meshmark.io.gltf.repack import repacked
 
-        packed = files[name].startswith(_GZIP_MAGIC)
-        plain = {**files, name: _unpacked(files[name])[0]} if packed else files
+        packed = files[name].startswith(GZIP_MAGIC)
+        plain = {**files, name: unpacked(files[name])[0]} if packed else files
         found = repacked(plain, name, self.format)
         return {**found, name: gzipped(found[name])} if packed else found
 
@@ -161,20 +153,26 @@ def _says_gzip(name: str) -> bool:
     return name.lower().endswith(".gz")
 
 
-def gzipped(data: bytes) -> bytes:
-    """Return `data` gzipped, without name or time: equal data gives equal bytes."""
-    out = io.BytesIO()
-    with GzipFile(filename="", mode="wb", fileobj=out, mtime=0, compresslevel=6) as packer:
-        packer.write(data)
-    return out.getvalue()
-
-
 def read_mesh(path: str | Path) -> Mesh:
     """Read a model file of any format in `FORMATS`, gzipped or not, known by content and by extension.
 
-    The mesh keeps the file's document, into which `write_mesh` patches positions.
-    Raises `InputError` for a file that cannot be read, `FormatError` for one that breaks its format;
-    each says in one sentence what was expected.
+    Parameters
+    ----------
+    path : str or Path
+        The file; other files that it refers to are looked for beside it.
+
+    Returns
+    -------
+    Mesh
+        The surface, n vertices in the order of the file. It keeps the file's document, into which `write_mesh`
+        patches positions.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read.
+    FormatError
+        The file breaks its format; the message says where, and what was expected.
     """
     return parse_mesh(_read_bytes(Path(path)), Path(path))
 
@@ -182,8 +180,24 @@ def read_mesh(path: str | Path) -> Mesh:
 def read_mesh_from(stream: BinaryIO, format: str, name: str = "standard input") -> Mesh:
     """Read a model of a format, a key of `FORMATS`, from a stream to its end, gzipped or not.
 
-    name: of the stream, for messages; files that the model refers to are looked for in the current folder.
-    Raises what `read_mesh` raises.
+    Parameters
+    ----------
+    stream : binary file object
+        Read to its end.
+    format : str
+        A key of `FORMATS`.
+    name : str
+        Name of the stream, for messages. Files that the model refers to are looked for in the current folder.
+
+    Returns
+    -------
+    Mesh
+        As from `read_mesh`.
+
+    Raises
+    ------
+    InputError, FormatError
+        As from `read_mesh`, and for a format that is not in `FORMATS`.
     """
     if format not in FORMATS:
         raise InputError(f"'{format}' is not a format, expected one of {', '.join(FORMATS)}")
@@ -191,8 +205,8 @@ def read_mesh_from(stream: BinaryIO, format: str, name: str = "standard input") 
     try:
         while part := stream.read(_PART):
             content.write(part)
-            if content.tell() > _MAX_BYTES:
-                raise InputError(f"{name} is longer than {_MAX_BYTES >> 30} GB, the most that is read")
+            if content.tell() > MOST_BYTES:
+                raise InputError(f"{name} is longer than {MOST_BYTES >> 30} GB, the most that is read")
     except (OSError, MemoryError) as error:
         raise InputError(f"cannot read {name}: {getattr(error, 'strerror', None) or 'too large'}") from None
     if not content.tell():
@@ -206,8 +220,8 @@ def parse_mesh(raw: bytes, path: Path, entry: Format | None = None) -> Mesh:
     entry: the format; known by content and by extension if None. Raises what `read_mesh` raises.
     """
     try:
-        packed = raw.startswith(_GZIP_MAGIC)
-        plain, tail = _unpacked(raw) if packed else (raw, b"")
+        packed = raw.startswith(GZIP_MAGIC)
+        plain, tail = unpacked(raw) if packed else (raw, b"")
         archive = _archive(plain, path)
         if packed and archive is not None:
             raise InputError(f"{path} is a gzipped zip archive, expected one that is not gzipped")
@@ -236,8 +250,8 @@ def _read_bytes(path: Path) -> bytes:
     try:
         if path.exists() and not path.is_file():
             raise InputError(f"{path} is not a file, expected a model file", file=path)
-        if path.is_file() and path.stat().st_size > _MAX_BYTES:
-            raise InputError(f"{path} is larger than {_MAX_BYTES >> 30} GB, the most that is read", file=path)
+        if path.is_file() and path.stat().st_size > MOST_BYTES:
+            raise InputError(f"{path} is larger than {MOST_BYTES >> 30} GB, the most that is read", file=path)
         raw = path.read_bytes()
     except (OSError, ValueError) as error:
         if isinstance(error, InputError):
@@ -249,26 +263,3 @@ def _read_bytes(path: Path) -> bytes:
     if not raw:
         raise FormatError(f"{path} is empty, expected a model file", file=path)
     return raw
-
-
-def _unpacked(raw: bytes) -> tuple[bytes, bytes]:
-    """Return what is in a gzipped file, and the bytes behind it that are not gzip data."""
-    limit = min(max(_ALWAYS_ALLOWED, _MAX_GROWTH * len(raw)), _MAX_BYTES)
-    pieces, left, size = list[bytes](), raw, 0
-    while left.startswith(_GZIP_MAGIC):
-        member = zlib.decompressobj(_GZIP_WINDOW)
-        try:
-            pieces.append(member.decompress(left, limit - size + 1))
-        except zlib.error as error:
-            raise FormatError(f"the gzip data is damaged ({error})") from None
-        size += len(pieces[-1])
-        if size > limit:
-            raise FormatError(
-                f"the gzip data unpacks to more than {limit >> 20} MB, which no model of its size does"
-            )
-        if not member.eof:
-            raise FormatError("the gzip data is damaged (it ends before its end mark)")
-        left = member.unused_data
-    if not size:
-        raise FormatError("the gzip data is empty, expected a model file")
-    return b"".join(pieces), left

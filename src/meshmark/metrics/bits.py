@@ -1,4 +1,4 @@
-"""How well a payload was read: bit error rate and correlation (paper eq. 19, DESIGN section 11)."""
+"""How well a payload was read: bit error rate and correlation (paper eq. 19, docs/design.md, section 11)."""
 
 from __future__ import annotations
 

@@ -46,7 +46,23 @@ class Comparison:
 
 
 def compare(a: Mesh, b: Mesh) -> Comparison:
-    """Measure how `b` differs from `a`; raises `InputError` where a model has no vertices or no extent."""
+    """Measure how `b` differs from `a`.
+
+    Parameters
+    ----------
+    a, b : Mesh
+        The original and the other model, in the same coordinates.
+
+    Returns
+    -------
+    Comparison
+        One field for each measure; None where it is not defined for these two.
+
+    Raises
+    ------
+    InputError
+        A model has no vertices or no extent.
+    """
     for mesh in (a, b):
         diagonal(mesh)
     return Comparison(

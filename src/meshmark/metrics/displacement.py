@@ -1,4 +1,4 @@
-"""How far vertices moved, vertex by vertex, as a share of the model's size (DESIGN section 11)."""
+"""How far vertices moved, vertex by vertex, as a share of the model's size (docs/design.md, section 11)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Peak signal-to-noise ratio of an extracted image (DESIGN section 11)."""
+"""Peak signal-to-noise ratio of an extracted image (docs/design.md, section 11)."""
 
 from __future__ import annotations
 

@@ -13,15 +13,15 @@ from meshmark.geometry.closest_point import Nearest
 from meshmark.geometry.curvature_tensor import principal_curvatures
 from meshmark.geometry.growth import HalfEdges, grow_all, half_edges
 from meshmark.mesh import FloatArray, IntArray, Mesh
-from meshmark.metrics.surface import Surface, surface_of
+from meshmark.metrics.measured_surface import MeasuredSurface, surface_of
 from meshmark.metrics.window_statistics import Fields, local_values
 
 __all__ = ["msdm2", "msdm2_map", "msdm2_symmetric"]
 
 RADII = (0.002, 0.003, 0.004)  # of the longest side of the judged model's bounding box
 WINDOW = 5.0  # radius of a window over the radius of curvature
-# Beyond so many points the mean runs over some of them, evenly spread over their order, which changes it by a few
-# thousandths of itself: windows around each of a million points hold a thousand points each.
+# Beyond MOST_WINDOWS points the mean runs over SOME_WINDOWS of them, evenly spread over their order, which changes
+# it by a few thousandths of itself: windows around each of a million points hold a thousand points each.
 MOST_WINDOWS, SOME_WINDOWS = 60_000, 20_000
 
 
@@ -53,7 +53,7 @@ def msdm2_map(a: Mesh, b: Mesh) -> FloatArray:
     return out[judged.point_of_vertex]
 
 
-def _local(original: Surface, judged: Surface, chosen: IntArray) -> FloatArray:
+def _local(original: MeasuredSurface, judged: MeasuredSurface, chosen: IntArray) -> FloatArray:
     """Return the local values at the chosen points of the judged surface, the mean over the radii.
 
     All lengths are in longest sides of the judged model, in which curvature has no unit.

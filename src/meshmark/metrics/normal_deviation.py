@@ -1,4 +1,4 @@
-"""How much the shading of a surface changes: the angle between normals at matched points (DESIGN section 11)."""
+"""Change of the shading of a surface: the angle between normals at matched points (docs/design.md, section 11)."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from meshmark.errors import InputError
 from meshmark.mesh import Mesh
-from meshmark.metrics.surface import surface_of
+from meshmark.metrics.measured_surface import surface_of
 
 __all__ = ["normal_deviation_deg"]
 

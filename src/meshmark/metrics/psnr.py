@@ -1,4 +1,4 @@
-"""Peak signal-to-noise ratio of a changed model, in dB (DESIGN section 9, eq. 17)."""
+"""Peak signal-to-noise ratio of a changed model, in dB (docs/design.md, section 9, eq. 17)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How close a recovered model came to the original (DESIGN section 11)."""
+"""How close a recovered model came to the original (docs/design.md, section 11)."""
 
 from __future__ import annotations
 

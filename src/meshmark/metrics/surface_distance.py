@@ -1,4 +1,4 @@
-"""Distances between two surfaces, whatever their triangles (DESIGN section 11).
+"""Distances between two surfaces, whatever their triangles (docs/design.md, section 11).
 
 Each surface is sampled and each sample's exact distance to the other surface taken, as METRO does: P. Cignoni,
 C. Rocchini, R. Scopigno, "Metro: measuring error on simplified surfaces", 1998, 10.1111/1467-8659.00236.
@@ -13,7 +13,7 @@ import numpy as np
 
 from meshmark.mesh import FloatArray, Mesh
 from meshmark.metrics.displacement import diagonal
-from meshmark.metrics.surface import Surface, surface_of
+from meshmark.metrics.measured_surface import MeasuredSurface, surface_of
 from meshmark.metrics.surface_samples import STEPS, sample_edges, sample_faces
 
 __all__ = [
@@ -25,7 +25,7 @@ __all__ = [
 ]
 
 SAMPLES = 32_000  # of the edges and as many of the faces: the RMS is then within 1 % of its limit
-# The surface around so many of the farthest samples is searched again at so many points, ever more finely.
+# The surface around the REFINED farthest samples is searched again at AROUND points each, ever more finely.
 REFINED, AROUND, ROUNDS, SHRINK = 32, 24, 3, 0.3
 
 
@@ -46,9 +46,9 @@ class SurfaceDistances:
 
 
 def surface_distances(a: Mesh, b: Mesh, samples: int | None = None) -> SurfaceDistances:
-    """Measure both directions with so many samples of edges and of faces, and all vertices for the largest.
+    """Measure both directions with this many samples of edges and of faces, and all vertices for the largest.
 
-    samples: 32,000 unless told.
+    samples: 32,000 by default.
     Loose vertices are no part of a surface. Raises `InputError` where a model has no surface or extent.
     """
     first, second = surface_of(a), surface_of(b)
@@ -72,9 +72,9 @@ def surface_distances(a: Mesh, b: Mesh, samples: int | None = None) -> SurfaceDi
 
 
 # The measures below ask for the same distances one after the other.
-_KNOWN: WeakKeyDictionary[Surface, WeakKeyDictionary[Surface, dict[int, SurfaceDistances]]] = (
-    WeakKeyDictionary()
-)
+_KNOWN: WeakKeyDictionary[
+    MeasuredSurface, WeakKeyDictionary[MeasuredSurface, dict[int, SurfaceDistances]]
+] = WeakKeyDictionary()
 
 
 def mrms_over_diagonal(a: Mesh, b: Mesh) -> float:
@@ -99,7 +99,7 @@ def hausdorff_over_diagonal(a: Mesh, b: Mesh) -> float:
     return max(distances.hausdorff_ab, distances.hausdorff_ba) / diagonal(a)
 
 
-def _one_way(start: Surface, target: Surface, samples: int) -> tuple[float, float, float]:
+def _one_way(start: MeasuredSurface, target: MeasuredSurface, samples: int) -> tuple[float, float, float]:
     """Return RMS, RMS over faces alone, and the largest distance."""
     unit = start.scaled(start.points)
     both = np.concatenate(
@@ -120,7 +120,11 @@ def _rms(values: FloatArray) -> float:
 
 
 def _largest(
-    start: Surface, target: Surface, positions: FloatArray, distances: FloatArray, spread: float
+    start: MeasuredSurface,
+    target: MeasuredSurface,
+    positions: FloatArray,
+    distances: FloatArray,
+    spread: float,
 ) -> float:
     """Return the largest distance, after a closer look at the surface around the farthest samples."""
     for _ in range(ROUNDS):

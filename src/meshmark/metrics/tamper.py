@@ -1,4 +1,4 @@
-"""How well altered vertices were found: precision, recall and intersection over union (DESIGN section 11)."""
+"""Precision, recall and intersection over union of the vertices found altered (docs/design.md, section 11)."""
 
 from __future__ import annotations
 

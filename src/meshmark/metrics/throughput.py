@@ -1,4 +1,4 @@
-"""What a run cost: vertices per second and peak memory (paper eq. 16, DESIGN section 11)."""
+"""What a run cost: vertices per second and peak memory (paper eq. 16, docs/design.md, section 11)."""
 
 from __future__ import annotations
 

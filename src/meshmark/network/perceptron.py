@@ -1,4 +1,4 @@
-"""A small multilayer perceptron with one output (DESIGN section 5).
+"""A small multilayer perceptron with one output (docs/design.md, section 5).
 
 Inputs are centred and scaled inside, so that weights of order one suit any of them.
 """
@@ -6,7 +6,7 @@ Inputs are centred and scaled inside, so that weights of order one suit any of t
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -17,7 +17,7 @@ from meshmark.mesh import FloatArray
 __all__ = ["Perceptron"]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Perceptron:
     """Layers of tanh units and one linear output.
 
@@ -52,11 +52,16 @@ class Perceptron:
         for fan_in, fan_out in pairwise(sizes[:-1]):
             parts += [rng.normal(size=fan_out * fan_in) / np.sqrt(fan_in), rng.normal(size=fan_out) * 0.5]
         weights = np.concatenate([*parts, np.zeros(sizes[-2] + 1)])
-        return cls(sizes, inputs.mean(axis=0), np.where(spread > 0.0, spread, 1.0), weights)
+        return cls(
+            sizes=sizes,
+            centre=inputs.mean(axis=0),
+            scale=np.where(spread > 0.0, spread, 1.0),
+            weights=weights,
+        )
 
     def with_weights(self, weights: FloatArray) -> Perceptron:
         """Return the same network with other weights (p,)."""
-        return Perceptron(self.sizes, self.centre, self.scale, weights)
+        return replace(self, weights=weights)
 
     def __call__(self, inputs: FloatArray) -> FloatArray:
         """Inputs (n, d) -> outputs (n,)."""

@@ -45,13 +45,13 @@ def parse_network(text: str, features: Sequence[str]) -> Perceptron:
         if fields["kind"] != KIND:
             raise InputError(f"the network file is of kind '{fields['kind']}', expected '{KIND}'")
         named = tuple(fields["features"])
-        parts = [np.array(fields[name], dtype=np.float64) for name in ("centre", "scale", "weights")]
+        parts = {name: np.array(fields[name], dtype=np.float64) for name in ("centre", "scale", "weights")}
         sizes = tuple(int(size) for size in fields["sizes"])
     except (ValueError, KeyError, TypeError) as error:
         raise InputError(f"the text is not a network file: {error!r}") from error
     if named != tuple(features):
         raise InputError(f"the network takes {', '.join(named)}, expected {', '.join(features)}")
-    return Perceptron(sizes, *parts)
+    return Perceptron(sizes=sizes, **parts)
 
 
 def shipped_network(name: str, features: Sequence[str]) -> Perceptron:

@@ -1,4 +1,4 @@
-"""The soft demodulator: from the phases of a reading to log-likelihood ratios of the bits (DESIGN section 5).
+"""The soft demodulator: from the phases of a reading to log-likelihood ratios of the bits (design.md, section 5).
 
 LLR = cos(phase) times what the network makes of features that depend on doubled phases only. Without a mark the
 keyed dithers make each phase as likely as the same turned by pi, whatever all others are. That turn changes the

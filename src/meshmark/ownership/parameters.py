@@ -109,7 +109,7 @@ HOPELESS_ERROR: Final = 0.12
 LOST_ERROR: Final = 0.25
 
 # Of the correction of a frame: standard deviation of shift (3), logarithm of scale, turn (3, radians), and how many
-# of these the search reaches out. Restored shapes under the attacks of DESIGN section 10 drift by 0.001 to 0.01.
+# of these the search reaches out. Restored shapes under the attacks of design.md, section 10, drift by 0.001 to 0.01.
 LOCK_EXPECTED: Final = np.array([0.005] * 4 + [0.006] * 3)
 LOCK_RADIUS: Final = 3.0
 # Steps that a search tries: those that embeddings of any strength use.

@@ -1,3 +1,3 @@
-"""Recovery: a miniature of the model, and how altered parts return to it (DESIGN section 8)."""
+"""Recovery: a miniature of the model, and how altered parts return to it (docs/design.md, section 8)."""
 
 from __future__ import annotations

@@ -6,15 +6,15 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from meshmark.mesh import FloatArray, IntArray
-from meshmark.recovery.moved_points import Drawing, spreads
+from meshmark.recovery.miniature_projection import MiniatureProjection, spreads
 
-__all__ = ["known_errors"]
+__all__ = ["expected_errors"]
 
-# So many intact parts are looked at, of so many points at most: of larger ones few points are near a rim.
+# Number of intact parts that are measured, and their most points: of larger ones few points are near a boundary.
 PROBES, LARGEST = 24, 4096
 
 
-def known_errors(
+def expected_errors(
     points: FloatArray,
     graph: csr_array,
     intact: IntArray,
@@ -23,9 +23,9 @@ def known_errors(
 ) -> FloatArray:
     """Return (k,): the median RMS distance at which intact parts of `sizes` (k,) points lie off the miniature.
 
-    It is corrected by the rims of these parts as it is by those of altered ones (`Drawing`), so this is what is
-    left where an altered part is back in place. points: (p, 3); graph: (p, p) adjacency; intact: (i,) points;
-    mini: points and faces in the same coordinates.
+    It is corrected by the boundaries of these parts as it is by those of altered ones (`MiniatureProjection`), so
+    this is what is left where an altered part is back in place. points: (p, 3); graph: (p, p) adjacency;
+    intact: (i,) points; mini: points and faces in the same coordinates.
     """
     from scipy.sparse.csgraph import breadth_first_order
 
@@ -38,7 +38,7 @@ def known_errors(
         for number, seed in enumerate(np.arange(count) * (len(intact) // count)):
             near = breadth_first_order(inside, int(seed), directed=False, return_predecessors=False)
             probe[near[:size]] = number
-        drawing = Drawing(places, np.empty((0, 3), np.int64), inside, probe >= 0, mini)
-        off = spreads(probe[probe >= 0], drawing.off() ** 2, count)
+        projection = MiniatureProjection(places, np.empty((0, 3), np.int64), inside, probe >= 0, mini)
+        off = spreads(probe[probe >= 0], projection.distances() ** 2, count)
         errors[classes == size] = float(np.median(off[np.unique(probe[probe >= 0])]))
     return errors

@@ -1,4 +1,4 @@
-"""Holes are filled with the miniature's faces, sewn to their rims so that what was closed is closed again."""
+"""Holes are filled with the miniature's faces, sewn to their holes so that what was closed is closed again."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ from meshmark.recovery.long_edges import split_long_edges
 
 __all__ = ["Filled", "fill_holes"]
 
-# Faces of the filling are this much longer than those around the hole, and keep this far from its rim.
+# Faces of the filling are this much longer than those around the hole, and keep this far from its boundary.
 LONGER, GAP = 1.5, 0.6
-# A rim and a border are sewn that are this near, in edges of the rim.
+# The boundary of a hole and that of a filling are sewn where they are this near, in edges of the hole.
 REACH = 8.0
 # Missing parts below this share of the largest one's area are no parts.
 SMALLEST_PART = 0.02
-# A rim belongs to the border of the miniature where it lies within so many of its own edges of it.
+# The boundary of a hole is one of the miniature's own where it lies within this many of its edges of it.
 OWN_BORDER = 3.0
 # What lies across a thin sheet from the rest faces away from it.
 FACING, AWAY = -0.2, -0.5
-# So many times as far off as is usual, the miniature has something that the rest has not.
+# Beyond this many times the usual distance the miniature has something that the rest has not.
 FAR = 6.0
 
 
@@ -44,50 +44,55 @@ def fill_holes(
     points: FloatArray,
     faces: IntArray,
     touched: NDArray[np.bool_],
-    torn: NDArray[np.bool_],
+    opened: NDArray[np.bool_],
     mini: tuple[FloatArray, IntArray],
 ) -> Filled:
-    """Fill the holes of a surface whose rims are mostly `touched` (p,), as the miniature has it.
+    """Fill the holes of a surface whose boundaries are mostly `touched` (p,), as the miniature has it.
 
     mini: points and faces in the same coordinates. Holes that the miniature has, too, stay; one for which it has no
-    fitting part is closed by a fan where its rim is `torn` (p,).
+    fitting part is closed by a fan where its boundary was `opened` (p,) by a cut.
     """
     edges = border_edges(faces)
-    rims = [rim[::-1] for rim in loops(edges) if touched[rim].mean() > 0.5]
-    if not rims:
+    holes = [hole[::-1] for hole in loops(edges) if touched[hole].mean() > 0.5]
+    if not holes:
         return Filled(points, faces)
-    ends = np.concatenate([np.stack([rim, np.roll(rim, -1)], axis=1) for rim in rims])
+    ends = np.concatenate([np.stack([hole, np.roll(hole, -1)], axis=1) for hole in holes])
     size = float(np.sqrt(((points[ends[:, 0]] - points[ends[:, 1]]) ** 2).sum(axis=1).mean()))
     fine = split_long_edges(*mini, LONGER * size)
-    patch = _missing(points, faces, edges, ends, fine, GAP * size)
+    surface = _Holed(points=points, faces=faces, border=edges, holes=ends)
+    patch = _missing(surface, fine, GAP * size)
     new = _Sewing(points, faces, fine[0], patch)
     borders = loops(border_edges(patch)) if len(patch) else []
-    pairs = _pairs(points, rims, fine[0], borders, REACH * size)
+    pairs = _pairs(points, holes, fine[0], borders, REACH * size)
     for one, other in pairs:
-        new.sew(rims[one], borders[other])
+        new.sew(holes[one], borders[other])
     own = border_edges(mini[1])
-    for number in sorted(set(range(len(rims))) - {one for one, _ in pairs}):
-        rim = rims[number]
-        if torn[rim].mean() > 0.5 and not _is_own(points[rim], mini[0], own, OWN_BORDER * size):
-            new.close(rim)
+    for number in sorted(set(range(len(holes))) - {one for one, _ in pairs}):
+        hole = holes[number]
+        if opened[hole].mean() > 0.5 and not _is_own(points[hole], mini[0], own, OWN_BORDER * size):
+            new.close(hole)
     for number in sorted(set(range(len(borders))) - {other for _, other in pairs}):
         if not _is_own(fine[0][borders[number]], mini[0], own, 0.1 * size):
             new.close(len(points) + borders[number][::-1])
     return new.result()
 
 
-def _missing(
-    points: FloatArray,
-    faces: IntArray,
-    edges: IntArray,
-    rim: IntArray,
-    fine: tuple[FloatArray, IntArray],
-    gap: float,
-) -> IntArray:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Holed:
+    """A surface, its border edges (b, 2), and those (h, 2) around the holes to be filled."""
+
+    points: FloatArray
+    faces: IntArray
+    border: IntArray
+    holes: IntArray
+
+
+def _missing(surface: _Holed, fine: tuple[FloatArray, IntArray], gap: float) -> IntArray:
     """Return the miniature's faces that nothing is left of: their nearest point of the surface is on its border."""
+    points, faces, holes = surface.points, surface.faces, surface.holes
     nearest = SurfaceIndex(points, faces).nearest(fine[0])
     on_border = np.zeros(len(points), bool)
-    on_border[edges] = True
+    on_border[surface.border] = True
     corners = faces[nearest.faces]
     at_border = ((nearest.weights < 1e-6) | on_border[corners]).all(axis=1) & (nearest.weights < 1e-6).any(
         axis=1
@@ -97,7 +102,7 @@ def _missing(
     facing = np.einsum("ij,ij->i", vectors, vertex_normals(*fine))
     far = nearest.distances > FAR * float(np.median(nearest.distances))
     lost = (at_border & (facing > FACING)) | (facing < AWAY) | far
-    tree = kd_tree(np.concatenate([points[rim[:, 0]], points[rim].mean(axis=1)]))
+    tree = kd_tree(np.concatenate([points[holes[:, 0]], points[holes].mean(axis=1)]))
     lost &= tree.query(fine[0])[0] > gap
     part = fine[1][lost[fine[1]].all(axis=1)]
     return _simple(_large(part, fine[0]))
@@ -127,20 +132,20 @@ def _simple(part: IntArray) -> IntArray:
 
 
 def _pairs(
-    points: FloatArray, rims: list[IntArray], places: FloatArray, borders: list[IntArray], reach: float
+    points: FloatArray, holes: list[IntArray], places: FloatArray, borders: list[IntArray], reach: float
 ) -> list[tuple[int, int]]:
-    """Return which rim is sewn to which border: each to its nearest, each once, none farther than `reach`."""
+    """Return which hole is sewn to which border: each to its nearest, each once, none farther than `reach`."""
     choices = []
-    for number, rim in enumerate(rims):
-        tree = kd_tree(points[rim])
+    for number, hole in enumerate(holes):
+        tree = kd_tree(points[hole])
         for other, border in enumerate(borders):
             there = np.mean(tree.query(places[border])[0])
-            back = np.mean(kd_tree(places[border]).query(points[rim])[0])
+            back = np.mean(kd_tree(places[border]).query(points[hole])[0])
             choices.append((float(there + back), number, other))
     pairs: list[tuple[int, int]] = []
-    for off, rim_number, border_number in sorted(choices):
-        if 0.5 * off < reach and all(rim_number != a and border_number != b for a, b in pairs):
-            pairs.append((rim_number, border_number))
+    for off, hole_number, border_number in sorted(choices):
+        if 0.5 * off < reach and all(hole_number != a and border_number != b for a, b in pairs):
+            pairs.append((hole_number, border_number))
     return pairs
 
 
@@ -163,14 +168,14 @@ class _Sewing:
         self.faces = [faces, patch + self.count]
         self.extra: list[FloatArray] = []
 
-    def sew(self, rim: IntArray, border: IntArray) -> None:
-        """Add the strip between a rim, walked as the filling has it, and the border of a part."""
-        one, other = self.points[rim], self.points[self.count + border]
+    def sew(self, hole: IntArray, border: IntArray) -> None:
+        """Add the strip between a hole, walked as the filling has it, and the border of a part."""
+        one, other = self.points[hole], self.points[self.count + border]
         distance, nearest = kd_tree(other).query(one)
         start = int(np.argmin(distance))
-        rim, border = np.roll(rim, -start), np.roll(border, -int(np.asarray(nearest)[start]))
-        made = strip(self.points[rim], self.points[self.count + border], True)
-        self.faces.append(np.concatenate([rim, self.count + border])[made])
+        hole, border = np.roll(hole, -start), np.roll(border, -int(np.asarray(nearest)[start]))
+        made = strip(self.points[hole], self.points[self.count + border], True)
+        self.faces.append(np.concatenate([hole, self.count + border])[made])
 
     def close(self, walk: IntArray) -> None:
         """Add a fan over a closed walk."""

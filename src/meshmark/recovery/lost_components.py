@@ -1,4 +1,4 @@
-"""Shells that are gone: parts of the miniature that hang together with nothing that is left."""
+"""Lost connected components: parts of the miniature that are connected to nothing that is left."""
 
 from __future__ import annotations
 
@@ -10,27 +10,27 @@ from meshmark.geometry.components import connected_components
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.recovery.long_edges import split_long_edges
 
-__all__ = ["with_lost_shells"]
+__all__ = ["with_lost_components"]
 
-# A shell is gone where all of its points lie this many times as far off the surface as the miniature does usually.
+# A component is lost where all of its points lie this many times the miniature's usual distance off the surface.
 FAR = 6.0
-# Its faces become as small as so many edges of the surface.
+# Its faces become as small as this many edges of the surface.
 LONGER = 1.5
 
 
-def with_lost_shells(
+def with_lost_components(
     points: FloatArray, faces: IntArray, mini: tuple[FloatArray, IntArray], usual: float
 ) -> tuple[FloatArray, IntArray]:
-    """Return the surface with the miniature's shells that it lacks, behind its own points and faces.
+    """Return the surface with the miniature's connected components that it lacks, behind its own points and faces.
 
     mini: points and faces in the same coordinates; usual: how far it lies off the surface, in scene units.
     """
     places, corners = mini
-    shell = connected_components(adjacency(unique_edges(corners), len(places)))[1]
+    component = connected_components(adjacency(unique_edges(corners), len(places)))[1]
     near = SurfaceIndex(points, faces).nearest(places).distances <= FAR * usual
-    gone = np.bincount(shell, near) == 0
-    gone &= np.bincount(shell) >= 4
-    part = corners[gone[shell[corners[:, 0]]]]
+    gone = np.bincount(component, near) == 0
+    gone &= np.bincount(component) >= 4
+    part = corners[gone[component[corners[:, 0]]]]
     if not len(part):
         return points, faces
     edges = unique_edges(faces)

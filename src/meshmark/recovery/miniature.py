@@ -1,4 +1,4 @@
-"""The miniature: a model's surface in a given number of bytes, in canonical coordinates (DESIGN section 8)."""
+"""A model's surface in a given number of bytes, in canonical coordinates (docs/design.md, section 8)."""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ from meshmark.errors import InputError
 from meshmark.geometry.areas import area_vectors
 from meshmark.geometry.closest_point import SurfaceIndex
 from meshmark.geometry.frame import Frame, canonical_frame, frame_alternatives
-from meshmark.geometry.registration.prepared_surface import Surface
+from meshmark.geometry.registration.prepared_surface import PreparedSurface
 from meshmark.geometry.registration.register import register
 from meshmark.geometry.similarity import Similarity, rotation_of
 from meshmark.mesh import FloatArray, IntArray
@@ -38,15 +38,15 @@ def place_miniature(
     frames = list(_frames(points, faces, intact))
     best = fit.best(_poses(frames))
     if best[0] > GOOD:
-        landmarks = Surface(*mini).landmarks(LANDMARKS)
+        landmarks = PreparedSurface(*mini).landmarks(LANDMARKS)
         home = Frame(
             centre=np.zeros(3), scale=1.0, axes=np.eye(3), moments=frames[0].moments, area=frames[0].area
         )
-        found = register(landmarks, home, Surface(points, _faces_of(faces, intact, len(points))))
+        found = register(landmarks, home, PreparedSurface(points, _faces_of(faces, intact, len(points))))
         best = min(best, fit.best(entry.pose for entry in found), key=lambda pair: pair[0])
     if not best[0] < WORST:
         raise InputError("the miniature does not fit the intact part, expected one of the same model")
-    return fit.settled(best[1])
+    return fit.refined(best[1])
 
 
 def _frames(points: FloatArray, faces: IntArray, intact: IntArray) -> Iterator[Frame]:
@@ -83,7 +83,7 @@ class _Fit:
         refined = [self._refined(pose, few, FIRST_ROUNDS) for pose in poses]
         return min(refined, key=lambda pair: pair[0], default=(np.inf, Similarity.identity()))
 
-    def settled(self, pose: Similarity) -> Similarity:
+    def refined(self, pose: Similarity) -> Similarity:
         """Return the pose fitted to many points."""
         return self._refined(pose, self.intact[:: max(len(self.intact) // MANY, 1)], ROUNDS)[1]
 

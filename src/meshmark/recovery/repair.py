@@ -1,4 +1,4 @@
-"""Recovery of a model with altered parts from its miniature (DESIGN section 8)."""
+"""Recovery of a model with altered parts from its miniature (docs/design.md, section 8)."""
 
 from __future__ import annotations
 
@@ -16,24 +16,24 @@ from meshmark.geometry.components import connected_components
 from meshmark.geometry.weld import Welded
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.recovery.borders import border_edges
-from meshmark.recovery.expected_error import known_errors
+from meshmark.recovery.expected_error import expected_errors
 from meshmark.recovery.hole_filling import fill_holes
-from meshmark.recovery.lost_components import with_lost_shells
+from meshmark.recovery.lost_components import with_lost_components
 from meshmark.recovery.miniature import read_miniature
 from meshmark.recovery.miniature_placement import place_miniature
-from meshmark.recovery.moved_points import Drawing, spreads
+from meshmark.recovery.miniature_projection import MiniatureProjection, spreads
 
 __all__ = ["Recovered", "recover"]
 
 # A part of its own that lies off the miniature by less than this share of what the intact part does is as it was;
 AS_IT_WAS = 0.7
-# one that hangs together with the rest where it is off by so many times what intact parts of its size are. From the
-# other number on it goes all the way back, below less far (Wiener's share), as the miniature may be as wrong.
-UNTOLD, SURE = 1.1, 3.0
-# A part is cut out where it cannot be drawn back: this share of its faces turn over.
+# one that is connected to the rest, where it is off by at most this many times the expected error. From SURE times
+# the expected error on it goes all the way back, below less far (Wiener filter), as the miniature may be as wrong.
+AS_EXPECTED, SURE = 1.1, 3.0
+# A part is cut out where it cannot be moved back: this share of its faces turn over.
 TURNED = 0.1
-# A part is the rim of a hole that has more than this share of its points on a border.
-RIM = 0.15
+# A part is the boundary of a hole that has more than this share of its points on a border.
+MOSTLY_BOUNDARY = 0.15
 MOST_JUDGES = 20_000
 
 
@@ -59,9 +59,9 @@ def recover(
 ) -> Recovered:
     """Return the suspect with its altered parts as the miniature has them; what is not altered stays bit by bit.
 
-    altered: (p,) of the suspect's points. Moved parts are drawn back; parts of their own, and those that cannot be
-    drawn back, are cut out; holes are filled. missing: points are known to be gone, so shells of which nothing is
-    left are put back. Raises `InputError` where the mask does not match the suspect, and
+    altered: (p,) of the suspect's points. Moved parts are moved back; parts of their own, and those that cannot be
+    moved back, are cut out; holes are filled. missing: points are known to be gone, so connected components of
+    which nothing is left are put back. Raises `InputError` where the mask does not match the suspect, and
     where the miniature is damaged or does not fit the rest.
     """
     if altered.shape != (len(suspect.points),):
@@ -72,16 +72,16 @@ def recover(
     intact = np.flatnonzero(used & ~altered)
     pose = place_miniature((places, mini_faces), suspect.points, suspect.faces, intact)
     mini = (pose(places), mini_faces)
-    points, cut, torn, left = _drawn_back(suspect, altered & used, intact, mini)
+    points, cut, opened, left = _moved_back(suspect, altered & used, intact, mini)
     out = cut[suspect.faces].any(axis=1)
-    torn[suspect.faces[out]] = True
-    filled = fill_holes(points, suspect.faces[~out], altered | torn, torn, mini)
+    opened[suspect.faces[out]] = True
+    filled = fill_holes(points, suspect.faces[~out], altered | opened, opened, mini)
     places = _blended(filled.points, filled.faces, len(points), mini)
     faces = filled.faces
     if missing:
         off = SurfaceIndex(*mini).nearest(suspect.points[_few(intact)]).distances
-        places, faces = with_lost_shells(places, faces, mini, float(np.sqrt(np.mean(off**2))))
-    return _result(suspect, places, faces, int((~out).sum()), used, left)
+        places, faces = with_lost_components(places, faces, mini, float(np.sqrt(np.mean(off**2))))
+    return _result(suspect, places, faces, old=int((~out).sum()), left=left)
 
 
 def _blended(points: FloatArray, faces: IntArray, old: int, mini: tuple[FloatArray, IntArray]) -> FloatArray:
@@ -90,40 +90,40 @@ def _blended(points: FloatArray, faces: IntArray, old: int, mini: tuple[FloatArr
     if not new.any():
         return points
     graph = adjacency(unique_edges(faces), len(points))
-    return Drawing(points, faces, graph, new, mini).smoothed(new, points)
+    return MiniatureProjection(points, faces, graph, new, mini).smoothed(new, points)
 
 
-def _drawn_back(
+def _moved_back(
     suspect: Welded, altered: NDArray[np.bool_], intact: IntArray, mini: tuple[FloatArray, IntArray]
 ) -> tuple[FloatArray, NDArray[np.bool_], NDArray[np.bool_], int]:
-    """Return the points after each altered part was drawn back, which ones are to be cut out, rims of holes, and
-    how many parts stay as they are.
+    """Return the points after each altered part was moved back, which ones are to be cut out, which ones lie on
+    boundaries of holes, and how many parts stay as they are.
 
     A part that is mostly border is what is left around a hole, which nobody moved. What differs by no more than the
     miniature itself is off stays as it is.
     """
     graph = adjacency(unique_edges(suspect.faces), len(suspect.points))
     part = _parts(graph, altered)
-    drawing = Drawing(suspect.points, suspect.faces, graph, altered, mini)
-    usual = float(np.sqrt(np.mean(drawing.index.nearest(suspect.points[_few(intact)]).distances ** 2)))
+    projection = MiniatureProjection(suspect.points, suspect.faces, graph, altered, mini)
+    usual = float(np.sqrt(np.mean(projection.index.nearest(suspect.points[_few(intact)]).distances ** 2)))
     size = np.bincount(part[altered], minlength=int(part.max(initial=-1)) + 1)
-    spread = spreads(part[altered], drawing.off() ** 2, len(size))
-    known = known_errors(suspect.points, graph, intact, mini, size)
+    spread = spreads(part[altered], projection.distances() ** 2, len(size))
+    expected = expected_errors(suspect.points, graph, intact, mini, size)
     tied = np.zeros(len(size), bool)
     tied[part[altered & (np.asarray(graph @ (~altered).astype(float)) > 0.0)]] = True
     border = np.zeros(len(altered), bool)
     border[border_edges(suspect.faces)] = True
-    rim = np.bincount(part[altered], border[altered], len(size)) > RIM * size
-    keep = np.where(tied, spread <= UNTOLD * known, spread <= AS_IT_WAS * usual) | (rim & tied)
+    boundary = np.bincount(part[altered], border[altered], len(size)) > MOSTLY_BOUNDARY * size
+    keep = np.where(tied, spread <= AS_EXPECTED * expected, spread <= AS_IT_WAS * usual) | (boundary & tied)
     moving = altered & (~keep & tied)[part]
-    told = 1.0 - (known / np.maximum.reduce([spread, known, np.full(len(size), 1e-300)])) ** 2
-    told = np.clip(told / (1.0 - SURE**-2), 0.0, 1.0)
-    points = suspect.points + told[part][:, None] * (drawing.draw(moving) - suspect.points)
-    turned = _turned(points, suspect.faces, moving, drawing.index, mini)
+    confidence = 1.0 - (expected / np.maximum.reduce([spread, expected, np.full(len(size), 1e-300)])) ** 2
+    confidence = np.clip(confidence / (1.0 - SURE**-2), 0.0, 1.0)
+    points = suspect.points + confidence[part][:, None] * (projection.project(moving) - suspect.points)
+    turned = _turned(points, suspect.faces, moving, projection.index, mini)
     share = np.bincount(part[altered], turned[altered], len(size)) / np.maximum(size, 1)
     cut = altered & ((~keep & ~tied) | (share > TURNED))[part]
-    left = int((keep & tied & ~rim & (size > 0)).sum())
-    return np.where((moving & ~cut)[:, None], points, suspect.points), cut, altered & rim[part], left
+    left = int((keep & tied & ~boundary & (size > 0)).sum())
+    return np.where((moving & ~cut)[:, None], points, suspect.points), cut, altered & boundary[part], left
 
 
 def _few(intact: IntArray) -> IntArray:
@@ -157,13 +157,13 @@ def _turned(
     return np.asarray(turned / np.maximum(total, 1))
 
 
-def _result(
-    suspect: Welded, points: FloatArray, faces: IntArray, old: int, used: NDArray[np.bool_], left: int
-) -> Recovered:
-    kept = np.zeros(len(points), bool)
-    kept[: len(used)] = ~used  # loose points stay
+def _result(suspect: Welded, points: FloatArray, faces: IntArray, *, old: int, left: int) -> Recovered:
+    """Return the surface without points that lost their faces; the first `old` faces are those of the suspect."""
+    before = len(suspect.points)
+    kept = np.arange(len(points)) < before  # loose points stay
+    kept[suspect.faces] = False
     kept[faces] = True
-    origin = np.where(np.arange(len(points)) < len(used), np.arange(len(points)), -1)[kept]
+    origin = np.where(np.arange(len(points)) < before, np.arange(len(points)), -1)[kept]
     places = points[kept]
     moved = np.zeros(len(places), bool)
     there = origin >= 0

@@ -21,7 +21,7 @@ Point = tuple[float, float, float]
 
 # The library's first thresholds suit models of this size; see `attacks.simplification`.
 SIZE = 2000.0
-# The library leaves this many points for each that is wanted, and at least so many.
+# The library leaves this many points for each that is wanted, and at least AT_LEAST.
 FOR_EACH, AT_LEAST = 2.5, 1500
 # Pull of border edges, and of points towards where they are, against the pull of faces.
 BORDER, STILL = 10.0, 1e-3

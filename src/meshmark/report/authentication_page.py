@@ -42,7 +42,7 @@ _TITLES = {
 _UNSIGNED = "Only the id"
 _NEXT = {
     "authentic": "The model is as it was when it was marked. It may have been turned, resized, moved or converted.",
-    "altered": "Red is what was moved, made, or laid bare by a deletion. <code>meshmark recover</code> brings the "
+    "altered": "Red is what was moved, made, or exposed by a deletion. <code>meshmark recover</code> brings the "
     "altered parts back, as far as the miniature in the intact part holds them.",
     "not_marked": "Either this model was never marked with this key, or it was changed everywhere.",
     "inconclusive": "A larger part of the model, or its certificate, may tell more.",

@@ -81,7 +81,7 @@ def panels(
         sheet.paste(Image.fromarray(render(panel, size, turn)), (left, top))
         draw.text((left + size / 2, top + size + strip / 2), panel.caption, INK, font, "mm")
     if bar:
-        _draw_bar(sheet, draw, font, bar, row * rows, strip)
+        _draw_bar(sheet, bar, row * rows, strip, font)
     packed = io.BytesIO()
     sheet.save(packed, "PNG")
     write_whole(path, packed.getvalue(), staging)
@@ -169,14 +169,10 @@ def _dots(picture: NDArray[np.uint8], marks: IntArray, screen: FloatArray, seen:
 
 
 def _draw_bar(
-    sheet: Image.Image,
-    draw: ImageDraw.ImageDraw,
-    font: ImageFont.FreeTypeFont | ImageFont.ImageFont,
-    title: str,
-    top: int,
-    strip: int,
+    sheet: Image.Image, title: str, top: int, strip: int, font: ImageFont.FreeTypeFont | ImageFont.ImageFont
 ) -> None:
     """Draw a colour bar under the panels, numbers at the place of their square root."""
+    draw = ImageDraw.Draw(sheet)
     length = sheet.width * 2 // 5
     left = sheet.width // 2 - length // 3
     ramp = to_srgb(heat(np.linspace(0.0, 1.0, length)))[None]

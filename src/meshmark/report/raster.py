@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -30,7 +31,8 @@ def rasterise(screen: FloatArray, faces: IntArray, width: int, height: int) -> N
     first_row = np.clip(np.ceil(corners[:, 0, 1] - 0.5), 0, height).astype(np.int64)
     rows = np.clip(np.ceil(corners[:, 2, 1] - 0.5), 0, height).astype(np.int64) - first_row
     for chunk in _chunks(rows, PIXELS_AT_ONCE // 8):
-        _fill(buffer, corners[chunk], chunk.start, first_row[chunk], rows[chunk], width)
+        strips = _Strips(faces=np.arange(chunk.start, chunk.stop), first=first_row[chunk], count=rows[chunk])
+        _fill(buffer, corners[chunk], strips, width)
     seen: NDArray[np.int64] = np.where(buffer == _BEHIND, EMPTY, (buffer & 0xFFFFFFFF).astype(np.int64))
     return seen.reshape(height, width)
 
@@ -42,12 +44,19 @@ def _chunks(sizes: IntArray, most: int) -> list[slice]:
     return [slice(a, b) for a, b in pairwise(bounds) if b > a]
 
 
-def _fill(
-    buffer: NDArray[np.uint64], corners: FloatArray, base: int, first: IntArray, rows: IntArray, width: int
-) -> None:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Strips:
+    """The pixel rows of k faces: the number of each face, its first row, and how many rows it has, all (k,)."""
+
+    faces: IntArray
+    first: IntArray
+    count: IntArray
+
+
+def _fill(buffer: NDArray[np.uint64], corners: FloatArray, strips: _Strips, width: int) -> None:
     """Cut faces into pixel rows, rows into pixels, and keep the nearest face at each pixel."""
-    face, down = members(rows)
-    y = first[face] + down
+    face, down = members(strips.count)
+    y = strips.first[face] + down
     (xa, ya, za), (xb, yb, zb), (xc, yc, zc) = corners.transpose(1, 2, 0)
     with np.errstate(divide="ignore", invalid="ignore"):
         long, upper, lower = (xc - xa) / (yc - ya), (xb - xa) / (yb - ya), (xc - xb) / (yc - yb)
@@ -66,7 +75,7 @@ def _fill(
     start = za[face] + (left + 0.5 - xa[face]) * slope_x[face] + (line - ya[face]) * slope_y[face]
     step = slope_x[face]
     place = y * width + left.astype(np.int64)
-    name = (face + base).astype(np.uint64)
+    name = strips.faces[face].astype(np.uint64)
     for chunk in _chunks(count, PIXELS_AT_ONCE):
         row, along = members(count[chunk])
         row += chunk.start

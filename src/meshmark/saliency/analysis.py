@@ -1,4 +1,4 @@
-"""Saliency of a whole model, told in the vertices of its file."""
+"""Saliency of a whole model, per vertex of its file."""
 
 from __future__ import annotations
 
@@ -37,7 +37,20 @@ class SaliencyResult:
 def analyse(mesh: Mesh) -> SaliencyResult:
     """Return the NC-DGG saliency of `mesh` and its salient points.
 
-    Raises `InputError` where there is no triangle with three different points.
+    Parameters
+    ----------
+    mesh : Mesh
+        A surface of n vertices, closed or open.
+
+    Returns
+    -------
+    SaliencyResult
+        `beta` (n,) in [0, 1], and the salient points, the strongest first.
+
+    Raises
+    ------
+    InputError
+        There is no triangle with three different points.
     """
     began = time.perf_counter()
     welded, found = points_and_saliency(mesh)

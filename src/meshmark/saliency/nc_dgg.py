@@ -53,7 +53,25 @@ def saliency(
 
     beta is the size of `tangent_distance` summed over the scales sigma_j = j * epsilon * diagonal, scaled to
     [0, 1] (eq. 6): tips and pits both count, whichever way the faces are turned. A scale is a discrete
-    Gaussian of `alpha_j = 2 sigma_j^2 / mean squared edge length` (DESIGN section 2).
+    Gaussian of `alpha_j = 2 sigma_j^2 / mean squared edge length` (docs/design.md, section 2).
+
+    Parameters
+    ----------
+    points : (p, 3) array of float
+        Positions; coincident vertices are one point.
+    faces : (m, 3) array of int
+        Triangles, indices into `points`.
+    scales : int
+        Number of scales.
+    epsilon : float
+        The smallest scale as a share of the model's diagonal.
+    weights : str
+        Weights of the edges in the random walk, see `random_walk`.
+
+    Returns
+    -------
+    Saliency
+        `beta` (p,) in [0, 1], the signed distances behind it, the random walk, and the largest scale in edges.
     """
     edges = unique_edges(faces)
     squared_edge = mean_squared_edge(points, edges)

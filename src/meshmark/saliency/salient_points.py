@@ -16,6 +16,22 @@ def salient_points(beta: FloatArray, points: FloatArray, graph: csr_array, *, ri
 
     A point is salient where its beta exceeds every beta up to `rings` edges away and is not zero. Of equal
     betas the one with the larger (x, y, z) counts as larger, so the order of the file does not matter.
+
+    Parameters
+    ----------
+    beta : (p,) array of float
+        Saliency of each point.
+    points : (p, 3) array of float
+        Positions, for ties.
+    graph : (p, p) sparse array
+        Which points are neighbours.
+    rings : int
+        Number of edges within which a salient point is the strongest.
+
+    Returns
+    -------
+    (k,) array of int
+        Rows of `points`.
     """
     order = np.lexsort((*points.T[::-1], beta))
     rank = np.empty(len(order), np.int32)

@@ -1,4 +1,4 @@
-"""Map segmentation of a whole model, told in the vertices of its file."""
+"""Map segmentation of a whole model, per vertex of its file."""
 
 from __future__ import annotations
 
@@ -47,9 +47,24 @@ class Segmentation:
 
 
 def segment(mesh: Mesh, regions: int | None = None) -> Segmentation:
-    """Part `mesh` into `regions` regions around its salient points (a number that suits its size if None).
+    """Split `mesh` into regions around its salient points.
 
-    Raises `InputError` where there is no surface, or where `regions` is less than 1 or more than the points.
+    Parameters
+    ----------
+    mesh : Mesh
+        A surface of n vertices, closed or open.
+    regions : int, optional
+        How many regions, 1 to the number of points; by default 2 to 32, by the size of the model.
+
+    Returns
+    -------
+    Segmentation
+        The region (n,) and the half (n,) of each vertex, and each region's share of both halves.
+
+    Raises
+    ------
+    InputError
+        There is no surface, or `regions` is out of range.
     """
     welded, found = points_and_saliency(mesh)
     count = default_regions(len(welded.points)) if regions is None else regions

@@ -9,7 +9,7 @@ import numpy as np
 from meshmark.mesh import FloatArray
 from meshmark.segmentation.power_diagram import assign, condensed
 
-__all__ = ["settle", "settled_centres"]
+__all__ = ["converged_centres", "lloyd_iterations"]
 
 PASSES, LAST_PASSES = 60, 8
 """At most; centres that move less than `STILL` times the extent end the passes before."""
@@ -19,22 +19,26 @@ Held = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 """Takes centres (n, 3); returns the sums of places (n, 3) and the masses (n,) that they hold."""
 
 
-def settled_centres(points: FloatArray, areas: FloatArray, centres: FloatArray) -> FloatArray:
+def converged_centres(points: FloatArray, areas: FloatArray, centres: FloatArray) -> FloatArray:
     """Return the centres (n, 3) that k-means of points (p, 3) with areas (p,) ends with, started from `centres`.
 
     Of many points those in each cube of a fine grid count as one at first, then each for itself for a few passes.
     """
     extent = float(np.ptp(points, axis=0).max())
     groups, masses = condensed(points, areas)
-    centres = settle(_nearest(groups, masses), centres, extent)
-    return centres if groups is points else settle(_nearest(points, areas), centres, extent, LAST_PASSES)
+    centres = lloyd_iterations(_nearest(groups, masses), centres, extent)
+    return (
+        centres
+        if groups is points
+        else lloyd_iterations(_nearest(points, areas), centres, extent, LAST_PASSES)
+    )
 
 
-def settle(held: Held, centres: FloatArray, extent: float, passes: int = PASSES) -> FloatArray:
+def lloyd_iterations(held: Held, centres: FloatArray, extent: float, passes: int = PASSES) -> FloatArray:
     """Return the centres (n, 3) after moving each to the mean of what it holds, until all are still.
 
     held: what given centres hold; one that holds nothing stays. extent: of all places, which says what is still.
-    passes: at most so many.
+    passes: at most this many.
     """
     for _ in range(passes):
         sums, mass = held(centres)

@@ -7,7 +7,7 @@ import numpy as np
 from meshmark.geometry.areas import vertex_areas
 from meshmark.geometry.frame import canonical_frame
 from meshmark.mesh import FloatArray, IntArray
-from meshmark.segmentation.centres import settle, settled_centres
+from meshmark.segmentation.centres import converged_centres, lloyd_iterations
 from meshmark.segmentation.map_segmentation import Regions, halves
 from meshmark.segmentation.power_diagram import CHUNK, assign
 
@@ -21,7 +21,7 @@ def k_means_regions(points: FloatArray, faces: IntArray, seeds: IntArray) -> Reg
     """
     areas = vertex_areas(points, faces)
     points = canonical_frame(points, faces).to_canonical(points)  # groups of points turn with the model
-    return _regions(points, areas, settled_centres(points, areas, points[seeds]))
+    return _regions(points, areas, converged_centres(points, areas, points[seeds]))
 
 
 def fuzzy_c_means_regions(points: FloatArray, faces: IntArray, seeds: IntArray) -> Regions:
@@ -42,7 +42,7 @@ def fuzzy_c_means_regions(points: FloatArray, faces: IntArray, seeds: IntArray) 
         return sums, mass
 
     extent = float(np.ptp(points, axis=0).max())
-    return _regions(points, areas, settle(held, points[seeds], extent))
+    return _regions(points, areas, lloyd_iterations(held, points[seeds], extent))
 
 
 def memberships(points: FloatArray, centres: FloatArray) -> FloatArray:

@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 from meshmark.geometry.areas import vertex_areas
 from meshmark.geometry.frame import canonical_frame
 from meshmark.mesh import FloatArray, IntArray
-from meshmark.segmentation.centres import settled_centres
+from meshmark.segmentation.centres import converged_centres
 from meshmark.segmentation.power_diagram import assign, balanced_weights
 
 __all__ = ["Regions", "choose_seeds", "default_regions", "halves", "map_regions"]
 
 LEAST_HALF = 0.2
-"""A plane that leaves less than this share of the area on one side does not part a model in two halves."""
+"""A plane that leaves less than this share of the area on one side does not split a model into two halves."""
 MOST_REGIONS = 32
 
 
@@ -42,7 +42,7 @@ class Regions:
 
 
 def default_regions(points: int) -> int:
-    """Return how many regions a model of so many points is parted in: 2 to 32, as the root of its size."""
+    """Return how many regions a model of `points` points is split into: 2 to 32, as the root of its size."""
     return int(np.clip(round(points**0.5 / 8.0), 2, MOST_REGIONS))
 
 
@@ -85,16 +85,35 @@ def halves(canonical: FloatArray, areas: FloatArray) -> NDArray[np.bool_]:
 def map_regions(points: FloatArray, faces: IntArray, seeds: IntArray) -> Regions:
     """Return the map of regions around the points `seeds` (n,).
 
-    From the seeds the centres of the regions settle as k-means does, which makes up for seeds that an attack moves
+    From the seeds the centres of the regions converge by k-means, which makes up for seeds that an attack moves
     (docs/decisions/0012). In each half a power diagram over the centres gives every region 1/n of the area of that
-    half, as compactly as can be (DESIGN section 3). Raises `InputError` where the faces have no area.
+    half, as compactly as can be (docs/design.md, section 3).
+
+    Parameters
+    ----------
+    points : (p, 3) array of float
+        Positions; coincident vertices are one point.
+    faces : (m, 3) array of int
+        Triangles, indices into `points`.
+    seeds : (n,) array of int
+        Points at which the centres of the regions start.
+
+    Returns
+    -------
+    Regions
+        Region and half of each point (p,), and each region's share (n,) of the area of both halves.
+
+    Raises
+    ------
+    InputError
+        The faces have no area.
     """
     areas = vertex_areas(points, faces)
     points = canonical_frame(points, faces).to_canonical(points)  # groups of points turn with the model
     green = halves(points, areas)
     region = np.empty(len(points), np.int64)
     shares = []
-    at = settled_centres(points, areas, points[seeds])
+    at = converged_centres(points, areas, points[seeds])
     for half in (green, ~green):
         mass = areas[half]
         inside = points[half]

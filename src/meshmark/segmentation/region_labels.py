@@ -7,13 +7,13 @@ import numpy as np
 from meshmark.geometry.view import three_quarter_view
 from meshmark.mesh import FloatArray
 
-__all__ = ["whereabouts"]
+__all__ = ["region_labels"]
 
 _HEIGHTS = ("bottom", "middle", "top")
 _SIDES = ("left", "", "right")
 
 
-def whereabouts(points: FloatArray, places: FloatArray) -> list[str]:
+def region_labels(points: FloatArray, places: FloatArray) -> list[str]:
     """Return the words for each of `places` (k, 3) in a model with `points` (p, 3).
 
     The model is looked at as pictures show it and its box is cut in thirds; what lies in the back is said so.

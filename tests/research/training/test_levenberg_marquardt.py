@@ -23,13 +23,13 @@ def residual_problem(residual, jacobian):
 def objective(network, data, targets, loss=squares, ridge=0.0, gain=None, shares=None):
     ones = np.ones(len(data))
     return Objective(
-        network,
-        loss,
-        data,
-        ones if gain is None else gain,
-        targets,
-        ones if shares is None else shares,
-        ridge,
+        network=network,
+        loss_of=loss,
+        inputs=data,
+        gain=ones if gain is None else gain,
+        targets=targets,
+        shares=ones if shares is None else shares,
+        ridge=ridge,
     )
 
 

@@ -1,4 +1,4 @@
-"""Checks: which marks hold, and which points they vouch for, without any reference (DESIGN section 7)."""
+"""Checks: which marks hold, and which points they vouch for, without any reference (docs/design.md, section 7)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Marks: which points carry them, and where those points go (DESIGN section 7)."""
+"""Marks: which points carry them, and where those points go (docs/design.md, section 7)."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Where a point lies in the frame of its ring, and how firmly the ring holds that frame.
 
-All is invariant to similarity transforms and to the order of points and faces (DESIGN section 7). The ring alone
+All is invariant to similarity transforms and to the order of points and faces (design.md, section 7). The ring alone
 makes the frame: a ring that stays, while its middle point moves, gives the same frame again.
 """
 

@@ -14,7 +14,7 @@ from meshmark.geometry.areas import vertex_areas
 from meshmark.mesh import FloatArray, IntArray, Mesh
 from meshmark.segmentation.analysis import segment
 from meshmark.segmentation.map_segmentation import Regions
-from meshmark.segmentation.region_labels import whereabouts
+from meshmark.segmentation.region_labels import region_labels
 
 __all__ = ["RegionMap", "region_map"]
 
@@ -35,7 +35,7 @@ class RegionMap:
         """Return where in the model of `vertices` (n, 3) `some` (n,) of them lie, in words, region by region."""
         regions = np.unique(self.region[some])
         middles = [vertices[some & (self.region == region)].mean(axis=0) for region in regions]
-        return list(dict.fromkeys(whereabouts(vertices, np.array(middles)))) if middles else []
+        return list(dict.fromkeys(region_labels(vertices, np.array(middles)))) if middles else []
 
 
 def region_map(mesh: Mesh, found: Examination, altered: NDArray[np.bool_]) -> RegionMap:
@@ -60,7 +60,7 @@ def region_map(mesh: Mesh, found: Examination, altered: NDArray[np.bool_]) -> Re
             replace(region, verdict=called, probability=chance, checks=0, failed=0, log10_chance=0.0)
             for region in judged
         )
-    words = whereabouts(points, centres)
+    words = region_labels(points, centres)
     judged = tuple(replace(region, where=where) for region, where in zip(judged, words, strict=True))
     return RegionMap(judged, map_.region)
 

@@ -23,10 +23,10 @@ __all__ = ["SYMBOL_BITS", "ErasureCode", "capacity", "decode"]
 SYMBOL_BITS = (1, 16)
 """Least and most bits of a symbol."""
 CHECK_BYTES = 4
-# One index in so many names the size; a size is believed only with so many others if it is among the likeliest.
+# One index in PILOT names the size; a size is believed only if it is among the LIKELIEST.
 PILOT = 32
 LIKELIEST = 6
-# Symbols that decoding needs beyond those of the message: a share, and so many in each segment.
+# Symbols that decoding needs beyond those of the message: EXCESS_SHARE of these, and EXCESS in each segment.
 EXCESS_SHARE, EXCESS = 0.03, 12
 _PERSON = b"meshmark payload"
 _WHITE = b"meshmark white 1"
@@ -66,7 +66,7 @@ class ErasureCode:
 
 
 def capacity(symbols: int, symbol_bits: int) -> int:
-    """Return how many bytes can nearly always be decoded from so many right symbols of random indices."""
+    """Return how many bytes can nearly always be decoded from this many right symbols of random indices."""
     _check_bits(symbol_bits)
     pilots = symbols / PILOT
     usable = symbols - pilots - 2.0 * pilots**0.5
@@ -123,7 +123,7 @@ def _pilot_values(index: NDArray[np.uint32], ladder: int | IntArray, symbol_bits
 
 
 def _likely_sizes(index: NDArray[np.uint32], value: Symbols, symbol_bits: int, count: int) -> IntArray:
-    """Return the sizes that agree with most pilots, best first, of those that so many symbols can give."""
+    """Return the sizes that agree with most pilots, best first, of those that `count` symbols can give."""
     ladder = np.flatnonzero(sizes() <= count)
     if not len(ladder):
         return ladder

@@ -15,7 +15,8 @@ SEGMENT = 1024
 """Most message symbols of a segment."""
 # Sizes of messages: every number at first, then this factor apart.
 SMALLEST, LARGEST, GROWTH = 8, 1 << 18, 1.02
-# Sparse parities: a share of the message symbols and some; each symbol is in so many. Dense ones besides.
+# Sparse parities: SPARSE more than SPARSE_SHARE of the message symbols; each symbol is in SPARSE_DEGREE of them.
+# DENSE parities are dense.
 SPARSE_SHARE, SPARSE, SPARSE_DEGREE = 0.01, 4, 3
 DENSE = 10
 # Degrees of the symbols (Shokrollahi's distribution, without its rarest degree), and their shares.

@@ -77,8 +77,8 @@ def _taken(graph: Graph, index: NDArray[np.uint32], value: Symbols, order: IntAr
 
 def _agreeing(graph: Graph, found: Symbols, index: NDArray[np.uint32], value: Symbols) -> float:
     row, symbol = graph.edges(index)
-    told = np.bitwise_xor.reduceat(found[symbol], np.flatnonzero(np.diff(row, prepend=-1)))
-    return float(np.mean(told == value))
+    decoded = np.bitwise_xor.reduceat(found[symbol], np.flatnonzero(np.diff(row, prepend=-1)))
+    return float(np.mean(decoded == value))
 
 
 def _equations(graph: Graph, index: NDArray[np.uint32], value: Symbols) -> tuple[Words, Symbols]:

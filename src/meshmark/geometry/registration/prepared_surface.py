@@ -15,19 +15,19 @@ from meshmark.geometry.registration.windows import look
 from meshmark.geometry.similarity import Similarity
 from meshmark.mesh import FloatArray, IntArray
 
-__all__ = ["Surface"]
+__all__ = ["PreparedSurface"]
 
 # All lengths in units of the frame's scale. The low pass takes off what noise adds and keeps what windows see.
 LOW_PASS = 0.03
 FINE, COARSE = 0.035, 0.06
-# So many spots are matched with landmarks, and so many pieces judge a pose.
+# Number of places that are matched with landmarks, and of pieces by which a pose is judged.
 SPOTS = 800
 JUDGES = 300
 # A surface that its own landmarks explain less than this is judged as if they explained so much.
 LEAST_EXPLAINED = 0.3
 
 
-class Surface:
+class PreparedSurface:
     """A low-passed surface prepared for registration, in canonical coordinates; `frame` leads there.
 
     frame: by default that of the low-passed surface, which noise moves less.

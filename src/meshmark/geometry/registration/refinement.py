@@ -1,6 +1,6 @@
 """Refining a similarity between landmarks and a surface: damped Gauss-Newton on heights over tangent planes.
 
-First each landmark is drawn to the nearest piece of surface that faces its way, then to where its window says that
+First each landmark is moved to the nearest piece of surface that faces its way, then to where its window says that
 it should lie. What has no partner, because it was cut off, gets no weight; a few that disagree get little.
 """
 
@@ -17,16 +17,16 @@ from meshmark.geometry.registration.windows import look
 from meshmark.geometry.similarity import Similarity, rotation_of
 from meshmark.mesh import FloatArray
 
-__all__ = ["Fit", "approach", "doubt", "settle"]
+__all__ = ["Fit", "approach", "doubt", "refine"]
 
 # Neighbours looked at for one that faces the right way.
 NEIGHBOURS = 4
 FACING = 0.4
-# Reach of the nearest-piece steps, in units of the frame's scale, each for so many rounds.
+# Reach of the nearest-piece steps, in units of the frame's scale, one round each.
 REACHES = (0.3, 0.2, 0.12, 0.08, 0.06)
 # Rounds of looking through windows: at coarse pieces, which is quick, and then at fine ones.
 COARSE_ROUNDS, FINE_ROUNDS = 8, 3
-# A spread of heights below this, in units of the frame's scale, is not worth telling apart.
+# A spread of heights below this, in units of the frame's scale, is not worth resolving.
 FINEST = 0.002
 # A window counts that sees at least this share of the landmark's surface, facing about the same way.
 LEAST_SHARE, SAME_WAY = 0.5, 0.7
@@ -34,7 +34,7 @@ LEAST_SHARE, SAME_WAY = 0.5, 0.7
 LEAST_WEIGHT = 8.0
 DAMPING = 1e-3
 FIXED = 1e-5
-# Heights are taken to be at least this uncertain, in units of the frame's scale, when the doubt is told.
+# Least standard deviation of heights, in units of the frame's scale, that standard errors are computed with.
 UNCERTAIN = 0.003
 
 
@@ -64,7 +64,7 @@ def doubt(places: FloatArray, normals: FloatArray) -> float:
 
 
 def approach(landmarks: Landmarks, surfels: Surfels, pose: Similarity) -> Similarity:
-    """Return the pose after a few rounds of drawing each landmark to the nearest piece of surface."""
+    """Return the pose after a few rounds of moving each landmark to the nearest piece of surface."""
     for reach in REACHES:
         places, normals = pose(landmarks.places), pose.turn(landmarks.normals)
         distance, rows = surfels.tree.query(places, NEIGHBOURS, distance_upper_bound=reach * pose.scale)
@@ -78,11 +78,12 @@ def approach(landmarks: Landmarks, surfels: Surfels, pose: Similarity) -> Simila
         facing = surfels.normals[row] + normals[found]
         facing /= np.sqrt(np.einsum("ij,ij->i", facing, facing))[:, None]
         height = np.einsum("ij,ij->i", surfels.places[row] - places[found], facing)
-        pose, _ = _step(pose, places[found], facing, height, _robust(height, FINEST * pose.scale), None)
+        weights = _robust(height, FINEST * pose.scale)
+        pose, _ = _step(pose, _Heights(places=places[found], normals=facing, heights=height, weights=weights))
     return pose
 
 
-def settle(landmarks: Landmarks, coarse: Surfels, fine: Surfels, pose: Similarity) -> Fit:
+def refine(landmarks: Landmarks, coarse: Surfels, fine: Surfels, pose: Similarity) -> Fit:
     """Return the pose at which the windows around the landmarks see the surface, in pieces, at height zero."""
     fit = Fit(pose=pose, heights=np.zeros(len(landmarks)), weights=np.zeros(len(landmarks)), doubt=np.inf)
     for surfels, rounds in ((coarse, COARSE_ROUNDS), (fine, FINE_ROUNDS)):
@@ -103,7 +104,14 @@ def _through_windows(landmarks: Landmarks, surfels: Surfels, pose: Similarity) -
     facing = np.einsum("ij,ij->i", seen.facing, normals)
     trust = np.where((share > LEAST_SHARE) & (facing > SAME_WAY), share**2, 0.0)
     weights = trust * _robust(seen.heights, FINEST * pose.scale, trust > 0.0)
-    after, unsure = _step(pose, seen.middles, normals, seen.heights, weights, landmarks.curvatures)
+    heights = _Heights(
+        places=seen.middles,
+        normals=normals,
+        heights=seen.heights,
+        weights=weights,
+        drift=landmarks.curvatures,
+    )
+    after, unsure = _step(pose, heights)
     return Fit(pose=after, heights=seen.heights / pose.scale, weights=weights, doubt=unsure / pose.scale)
 
 
@@ -116,23 +124,28 @@ def _robust(heights: FloatArray, finest: float, counted: NDArray[np.bool_] | Non
     return np.asarray(np.clip(1.0 - (heights / limit) ** 2, 0.0, 1.0) ** 2)
 
 
-def _step(
-    pose: Similarity,
-    places: FloatArray,
-    normals: FloatArray,
-    heights: FloatArray,
-    weights: FloatArray,
-    drift: FloatArray | None,
-) -> tuple[Similarity, float]:
-    """Return the pose after one damped Gauss-Newton step, and the standard error of its weakest direction.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Heights:
+    """The surface over n tangent planes: places and normals (n, 3), the planes; heights and weights (n,).
 
-    With `drift` (n,) heights may also follow those numbers times a free factor, as smoothing makes them do.
+    drift: (n,) heights may also follow these numbers times a free factor, as smoothing makes them do; None: not.
     """
+
+    places: FloatArray
+    normals: FloatArray
+    heights: FloatArray
+    weights: FloatArray
+    drift: FloatArray | None = None
+
+
+def _step(pose: Similarity, seen: _Heights) -> tuple[Similarity, float]:
+    """Return the pose after one damped Gauss-Newton step, and the standard error of its weakest direction."""
+    heights, weights, drift = seen.heights, seen.weights, seen.drift
     total = weights.sum()
     if not total > LEAST_WEIGHT:
         return pose, np.inf
-    centre = weights @ places / total
-    jacobian, size = _motions(places - centre, normals)
+    centre = weights @ seen.places / total
+    jacobian, size = _motions(seen.places - centre, seen.normals)
     if drift is not None:
         unit = np.sqrt(weights @ drift**2 / total) or 1.0
         jacobian = np.column_stack([jacobian, drift / unit])

@@ -15,8 +15,8 @@ from meshmark.geometry.frame import Frame, frame_alternatives
 from meshmark.geometry.registration.agreement import TOLERANCE, judge
 from meshmark.geometry.registration.landmarks import Landmarks
 from meshmark.geometry.registration.pose_candidates import candidate_poses
-from meshmark.geometry.registration.prepared_surface import Surface
-from meshmark.geometry.registration.refinement import approach, doubt, settle
+from meshmark.geometry.registration.prepared_surface import PreparedSurface
+from meshmark.geometry.registration.refinement import approach, doubt, refine
 from meshmark.geometry.registration.surfels import Surfels
 from meshmark.geometry.similarity import Similarity
 
@@ -36,9 +36,9 @@ LIKELY, MARGIN = 0.75, 0.1
 LEAST_EXPLAINED, LEAST_QUALITY = 0.4, 0.6
 # Tolerance, in units of the reference's scale, for poses that were not refined yet.
 ROUGH = 0.1
-# So many poses of one search are drawn to the surface, and the best of those settled.
-APPROACHED, SETTLED = 10, 3
-# A pose is settled if it is judged at least this share of the best.
+# Poses of one search that are moved to the nearest surface, and, of these, the best that are refined.
+APPROACHED, REFINED = 10, 3
+# A pose is refined if it is judged at least this share of the best.
 WORTHWHILE = 0.5
 # Poses closer than this are one: before and after refinement, in units of the reference's scale.
 NEAR, SAME = 0.1, 0.02
@@ -70,7 +70,7 @@ class Registered:
     doubt: float
 
 
-def register(landmarks: Landmarks, home: Frame, suspect: Surface) -> list[Registered]:
+def register(landmarks: Landmarks, home: Frame, suspect: PreparedSurface) -> list[Registered]:
     """Return the best poses found (canonical coordinates of the reference -> scene of the suspect), best first.
 
     home: the reference's frame in its own scene. Empty where nothing fits, or where the surface does not
@@ -78,11 +78,11 @@ def register(landmarks: Landmarks, home: Frame, suspect: Surface) -> list[Regist
     """
     if len(landmarks) < FEWEST or not _determined(landmarks, suspect.judges):
         return []
-    found = _refined(landmarks, suspect, list(_guesses(home, suspect.frame)))
+    found = _best_refined(landmarks, suspect, list(_guesses(home, suspect.frame)))
     if not _sure(found):
         for scale in _scales(home, suspect.frame):
             poses = candidate_poses(landmarks, suspect.described(scale), scale)
-            found = _distinct(found + _refined(landmarks, suspect, poses))
+            found = _distinct(found + _best_refined(landmarks, suspect, poses))
             if _sure(found) or _clear(found):
                 break
     to_scene = _to_scene(suspect.frame)
@@ -128,17 +128,19 @@ def _scales(home: Frame, frame: Frame) -> Iterator[float]:
             yield scale
 
 
-def _refined(landmarks: Landmarks, suspect: Surface, poses: list[Similarity]) -> list[Registered]:
+def _best_refined(
+    landmarks: Landmarks, suspect: PreparedSurface, poses: list[Similarity]
+) -> list[Registered]:
     """Return the most promising poses after refinement, best first."""
     first = [pose for _, pose in _ranked(landmarks, suspect, _apart(poses), ROUGH)]
     near = [approach(landmarks, suspect.coarse, pose) for pose in first[:APPROACHED]]
     ranked = _ranked(landmarks, suspect, _apart(near))
-    worth = [pose for quality, pose in ranked[:SETTLED] if quality >= WORTHWHILE * ranked[0][0]]
-    return _distinct([fit for pose in worth if (fit := _settled(landmarks, suspect, pose)) is not None])
+    worth = [pose for quality, pose in ranked[:REFINED] if quality >= WORTHWHILE * ranked[0][0]]
+    return _distinct([fit for pose in worth if (fit := _refined(landmarks, suspect, pose)) is not None])
 
 
-def _settled(landmarks: Landmarks, suspect: Surface, pose: Similarity) -> Registered | None:
-    fit = settle(landmarks, suspect.coarse, suspect.fine, pose)
+def _refined(landmarks: Landmarks, suspect: PreparedSurface, pose: Similarity) -> Registered | None:
+    fit = refine(landmarks, suspect.coarse, suspect.fine, pose)
     if not (fit.doubt < MOST_DOUBT_LEFT and SCALES_FROM < fit.pose.scale < SCALES_TO):
         return None
     share, explained = _judged(landmarks, suspect, fit.pose)
@@ -150,7 +152,7 @@ def _settled(landmarks: Landmarks, suspect: Surface, pose: Similarity) -> Regist
 
 
 def _ranked(
-    landmarks: Landmarks, suspect: Surface, poses: list[Similarity], tolerance: float = TOLERANCE
+    landmarks: Landmarks, suspect: PreparedSurface, poses: list[Similarity], tolerance: float = TOLERANCE
 ) -> list[tuple[float, Similarity]]:
     """Return the poses with their quality, best first."""
     judged = [(_quality(*_judged(landmarks, suspect, pose, tolerance)), pose) for pose in poses]
@@ -158,7 +160,7 @@ def _ranked(
 
 
 def _judged(
-    landmarks: Landmarks, suspect: Surface, pose: Similarity, tolerance: float = TOLERANCE
+    landmarks: Landmarks, suspect: PreparedSurface, pose: Similarity, tolerance: float = TOLERANCE
 ) -> tuple[float, float]:
     share, explained = judge(landmarks, suspect.coarse, suspect.judges, pose, tolerance)
     return share, min(1.0, explained / landmarks.explains)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Surfels", "low_passed", "make_surfels"]
 
-# Normals fall into so many groups (their largest coordinate and its sign): two sheets never share a piece.
+# Normals fall into this many groups (their largest coordinate and its sign): two sheets never share a piece.
 SIDES = 6
 # The series of the discrete Gaussian is cut here: far below what noise leaves.
 TOLERANCE = 1e-4

@@ -12,7 +12,7 @@ from meshmark.mesh import FloatArray
 
 __all__ = ["Seen", "look"]
 
-# Windows end at so many widths; what is beyond weighs less than 5 %.
+# Windows end at this many widths; what is beyond weighs less than 5 %.
 REACH = 2.5
 
 

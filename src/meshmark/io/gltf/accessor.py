@@ -130,7 +130,7 @@ def component(item: Json, where: str) -> np.dtype[Any]:
 
 
 def _place(
-    container: Container, item: Json, where: str, view: int, shape: tuple[int, int], dense: bool = False
+    container: Container, item: Json, where: str, view: int, shape: tuple[int, int], *, dense: bool = False
 ) -> tuple[int, int]:
     """Return the address of the first row and the stride of rows (count, bytes each) in a bufferView."""
     record = container.tables["bufferViews"][view]

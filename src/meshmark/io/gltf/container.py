@@ -1,4 +1,4 @@
-"""The two shells of glTF: a binary .glb of chunks, or a .gltf of JSON with buffers beside or inside it.
+"""The two containers of glTF: a binary .glb of chunks, or a .gltf of JSON with buffers beside or inside it.
 
 Either way the bytes of all buffers are laid end to end in one *blob*; an address is a place in it.
 """

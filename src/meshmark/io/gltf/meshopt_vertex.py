@@ -37,7 +37,7 @@ Bytes = NDArray[np.uint8]
 def decode_vertices(data: bytes, count: int, stride: int) -> Bytes:
     """Return the rows (count, stride), uint8, of a stream; stride: 4 to 256, a multiple of 4.
 
-    Raises `FormatError` where the bytes are no such stream of exactly so many rows.
+    Raises `FormatError` where the bytes are no such stream of exactly `count` rows.
     """
     version = data[0] - _HEADER if data else -1
     if version not in _TAIL:
@@ -60,6 +60,18 @@ def decode_vertices(data: bytes, count: int, stride: int) -> Bytes:
     return rows
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Stream:
+    """What a walk through a stream looks at.
+
+    escapes: for 1, 2 and 4 bits how many escapes lie before each byte; last: the last place a group can start at.
+    """
+
+    data: bytes
+    escapes: dict[int, memoryview]
+    last: int
+
+
 @dataclass(eq=False, kw_only=True)
 class _Groups:
     """Where the groups of each width lie: for 1, 2, 4 and 8 bits the places in the stream and the numbers.
@@ -77,7 +89,8 @@ class _Groups:
     def scan(cls, data: bytes, source: Bytes, shape: tuple[int, int], version: int) -> _Groups:
         """Walk through the stream; raises `FormatError` where it ends too soon."""
         count, stride = shape
-        found, escapes, last = cls(), _escapes(source), len(data) - _GROUP_LIMIT
+        found = cls()
+        stream = _Stream(data=data, escapes=_escapes(source), last=len(data) - _GROUP_LIMIT)
         block = min(_BLOCK_BYTES // stride // _GROUP * _GROUP, _BLOCK_ROWS)
         per_column = -(-count // _GROUP)
         at = 1
@@ -93,22 +106,15 @@ class _Groups:
                 elif control != _ZEROS:
                     first = column * per_column + start // _GROUP
                     groups = -(-rows // _GROUP)
-                    at = found._column(data, at, (first, groups), _BITS[control], escapes, last)
+                    at = found._column(stream, at, (first, groups), _BITS[control])
                 if at > len(data):
                     raise FormatError("a meshopt stream of attributes is cut off")
         found.end = at
         return found
 
-    def _column(
-        self,
-        data: bytes,
-        at: int,
-        span: tuple[int, int],
-        widths: tuple[int, ...],
-        escapes: dict[int, memoryview],
-        last: int,
-    ) -> int:
+    def _column(self, stream: _Stream, at: int, span: tuple[int, int], widths: tuple[int, ...]) -> int:
         """Note the groups of one column of a block, whose header lies at `at`; return where they end."""
+        data, escapes, last = stream.data, stream.escapes, stream.last
         first, groups = span
         header = at
         at += -(-groups // 4)

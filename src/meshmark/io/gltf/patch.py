@@ -1,4 +1,4 @@
-"""Writing a changed blob back into its shell: bounds, base64, file names, lengths, and not a byte more."""
+"""Writing a changed blob back into its container: bounds, base64, file names, lengths, and not a byte more."""
 
 from __future__ import annotations
 

@@ -41,6 +41,15 @@ class _Piece:
     faces: slice
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Surface:
+    """The new vertices (n, 3), the new faces (k, 3) of one primitive, and `origin` (n,) as in `remeshed`."""
+
+    vertices: FloatArray
+    faces: IntArray
+    origin: IntArray
+
+
 def can_remesh(document: GltfDocument) -> bool:
     """Return whether every primitive is shown once, as triangles of its own accessors."""
     shown = [part.accessor for part in document.scene.parts]
@@ -71,7 +80,8 @@ def remeshed(
     owner = _owners(document, pieces, origin[faces])
     writer = _Writer(tree, bytearray())
     for index, piece in enumerate(pieces):
-        _write(document, tree, piece, writer, vertices, faces[owner == index], origin)
+        surface = _Surface(vertices=vertices, faces=faces[owner == index], origin=origin)
+        _write(document, piece, writer, surface)
     return _files(document, tree, bytes(writer.data), name)
 
 
@@ -143,16 +153,9 @@ def _keys(faces: IntArray) -> IntArray:
     return np.asarray(np.unique(np.sort(faces, axis=1), axis=0, return_inverse=True)[1]).ravel()
 
 
-def _write(
-    document: GltfDocument,
-    tree: dict[str, Any],
-    piece: _Piece,
-    writer: _Writer,
-    vertices: FloatArray,
-    faces: IntArray,
-    origin: IntArray,
-) -> None:
+def _write(document: GltfDocument, piece: _Piece, writer: _Writer, surface: _Surface) -> None:
     """Give a primitive its new faces, and rows for their corners."""
+    tree, vertices, faces, origin = writer.tree, surface.vertices, surface.faces, surface.origin
     part = document.scene.parts[piece.part]
     item = document.scene.primitives[part.mesh][piece.number]
     entry = _entry(tree, part.mesh, item.attributes)

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
 from meshmark.document import Attributes
 from meshmark.errors import FormatError
 from meshmark.io.colors import rgba
-from meshmark.io.obj.lines import Rows, corner_indices, obj_lines
+from meshmark.io.obj.keyword_lines import Rows, corner_indices, obj_lines
 from meshmark.io.polygons import fan_corners
 from meshmark.io.text.numbers import parse_floats
 from meshmark.mesh import FloatArray, IntArray
@@ -58,7 +60,10 @@ def obj_attributes(data: bytes) -> Attributes:
     colors = _colors(points)
     other += ["vertex colours of some vertices"] * bool(colors is None and (points.counts >= 6).any())
     triangles = fan_corners(polygons.counts)
-    return _aligned(corners, triangles, len(points), tables, colors, tuple(dict.fromkeys(other)))
+    held = Attributes(
+        texcoords=tables[0], normals=tables[1], colors=colors, other=tuple(dict.fromkeys(other))
+    )
+    return _aligned(held, corners, triangles, len(points))
 
 
 def _table(rows: Rows, width: int, name: str) -> FloatArray | None:
@@ -82,30 +87,29 @@ def _colors(points: Rows) -> NDArray[np.uint8] | None:
         return None
 
 
-def _aligned(
-    corners: IntArray,
-    triangles: IntArray,
-    points: int,
-    tables: list[FloatArray | None],
-    colors: NDArray[np.uint8] | None,
-    other: tuple[str, ...],
-) -> Attributes:
-    if tables[0] is None and tables[1] is None:
-        return Attributes(colors=colors, other=other)
+def _aligned(held: Attributes, corners: IntArray, triangles: IntArray, points: int) -> Attributes:
+    """Return the attributes with a row for each distinct corner.
+
+    held: texture coordinates and normals as the file's tables have them, colours by point. corners: (k, 3) the
+    position, texture and normal index of each corner; triangles: (m, 3) rows of these; points: how many there are.
+    """
+    if held.texcoords is None and held.normals is None:
+        return held
     idle = np.setdiff1d(np.arange(points), corners[:, 0])
     rows = np.concatenate([corners, np.stack([idle, 0 * idle, 0 * idle], axis=1)])
     distinct, place = np.unique(rows, axis=0, return_inverse=True)
     owner = distinct[:, 0]
     texcoords, normals = (
-        None if table is None else table[distinct[:, field]] for field, table in enumerate(tables, 1)
+        None if table is None else table[distinct[:, field]]
+        for field, table in enumerate((held.texcoords, held.normals), 1)
     )
     seams = None
     if len(distinct) != points:
         seams = (owner, place.reshape(-1)[triangles])
-    return Attributes(
+    return replace(
+        held,
         normals=normals,
         texcoords=texcoords,
-        colors=None if colors is None else colors[owner],
-        other=other,
+        colors=None if held.colors is None else held.colors[owner],
         seams=seams,
     )

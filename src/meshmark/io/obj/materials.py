@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path, PurePosixPath
 
-from meshmark.io.obj.lines import Rows
+from meshmark.io.obj.keyword_lines import Rows
 
 __all__ = ["material_files"]
 

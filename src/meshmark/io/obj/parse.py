@@ -7,7 +7,7 @@ from pathlib import Path
 
 from meshmark.errors import FormatError
 from meshmark.io.obj.attributes import obj_attributes
-from meshmark.io.obj.lines import corner_indices, obj_lines
+from meshmark.io.obj.keyword_lines import corner_indices, obj_lines
 from meshmark.io.obj.materials import material_files
 from meshmark.io.patch_document import PatchDocument, patch_document
 from meshmark.io.polygons import fan_corners
@@ -42,4 +42,13 @@ def parse_obj(data: bytes, path: Path) -> PatchDocument:
         else ()
     )
     load = partial(obj_attributes, data)
-    return patch_document("obj", positions, faces, load, facts, references, remarks, positions.gaps)
+    return patch_document(
+        "obj",
+        positions,
+        faces,
+        load,
+        facts=facts,
+        references=references,
+        remarks=remarks,
+        gaps=positions.gaps,
+    )

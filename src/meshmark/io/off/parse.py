@@ -66,7 +66,7 @@ def parse_off(data: bytes, _path: Path) -> PatchDocument:
     polygons = bool((sizes > 3).any())
     facts = {"encoding": "text", "variant": layout.magic, "polygons": polygons, "face_colors": colored}
     load = partial(_attributes, data, polygons, colored)
-    return patch_document("off", positions, faces, load, facts, remarks=remarks, gaps=positions.gaps)
+    return patch_document("off", positions, faces, load, facts=facts, remarks=remarks, gaps=positions.gaps)
 
 
 def _layout(tokens: Tokens) -> _Layout:

@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 
 from meshmark.document import Attributes
 from meshmark.io.colors import ODD_COLORS, rgba
+from meshmark.io.ply.columns import Columns
 from meshmark.io.ply.data import PlyData
 from meshmark.io.ply.header import PlyHeader
-from meshmark.io.ply.layout import Columns
 from meshmark.mesh import FloatArray
 
 __all__ = ["ply_attributes"]

@@ -13,9 +13,9 @@ from meshmark.io.binary_data import BinaryData
 from meshmark.io.binary_positions import BinaryPositions, binary_positions
 from meshmark.io.patch_document import PatchDocument, patch_document
 from meshmark.io.ply.attributes import ply_attributes
+from meshmark.io.ply.columns import Columns, lay_out
 from meshmark.io.ply.data import PlyData, TextData
 from meshmark.io.ply.header import PlyHeader, parse_header
-from meshmark.io.ply.layout import Columns, lay_out
 from meshmark.io.polygons import fan_corners, strip_triangles
 from meshmark.io.text.positions import TextPositions, text_positions
 from meshmark.io.text.tokens import tokenise
@@ -41,7 +41,7 @@ def parse_ply(data: bytes, _path: Path) -> PatchDocument:
     }
     load = partial(ply_attributes, header, source, columns, bool((sizes > 3).any()))
     gaps, together = positions.gaps, np.concatenate(faces)
-    return patch_document("ply", positions, together, load, facts, remarks=remarks, gaps=gaps)
+    return patch_document("ply", positions, together, load, facts=facts, remarks=remarks, gaps=gaps)
 
 
 def _source(data: bytes, header: PlyHeader) -> PlyData:

@@ -73,7 +73,7 @@ def parse_binary_stl(data: bytes) -> PatchDocument:
     facts = {"encoding": "binary", "attribute_bytes": bool(attributes.any())}
     faces = np.arange(len(values)).reshape(-1, 3)
     load = partial(_attributes, attributes)
-    return patch_document("stl", _Positions(data, values), faces, load, facts, remarks=remarks)
+    return patch_document("stl", _Positions(data, values), faces, load, facts=facts, remarks=remarks)
 
 
 def _counted(data: bytes) -> tuple[int, tuple[str, ...]]:

@@ -81,7 +81,7 @@ def parse_text_stl(data: bytes) -> PatchDocument:
     )
     faces = np.arange(3 * len(rows)).reshape(-1, 3)
     facts = {"encoding": "text", "solids": solids}
-    return patch_document("stl", positions, faces, partial(_attributes, solids), facts, remarks=remarks)
+    return patch_document("stl", positions, faces, partial(_attributes, solids), facts=facts, remarks=remarks)
 
 
 def _facets(tokens: Tokens) -> tuple[IntArray, int, tuple[str, ...]]:

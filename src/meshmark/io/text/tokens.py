@@ -29,7 +29,7 @@ _LOW_BYTES = np.array([(1 << 8 * k) - 1 for k in range(_LETTERS + 1)], dtype=np.
 _LOWER_CASE = np.uint64(0x2020202020202020)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Tokens:
     """Where the words of a text, or of a block of it, stand.
 
@@ -89,7 +89,12 @@ def tokenise(data: bytes, offset: int = 0, comments: bool = False) -> Tokens:
         count += len(block.starts)
     text = np.frombuffer(data, dtype=np.uint8)
     empty = [np.empty(0, dtype=np.int64)]
-    return Tokens(text, *(np.concatenate(parts or empty) for parts in (starts, ends, first)))
+    return Tokens(
+        text=text,
+        starts=np.concatenate(starts or empty),
+        ends=np.concatenate(ends or empty),
+        first=np.concatenate(first or empty),
+    )
 
 
 def token_blocks(
@@ -136,7 +141,7 @@ def _block(text: ByteArray, comments: bool, continued: bool) -> Tokens:
     starts, ends = np.flatnonzero(steps == -1), np.flatnonzero(steps == 1)
     breaks = np.searchsorted(starts, np.flatnonzero(_line_breaks(text)))
     first = np.concatenate([[0], breaks])
-    return Tokens(text, starts, ends, first[np.diff(first, append=len(starts)) > 0])
+    return Tokens(text=text, starts=starts, ends=ends, first=first[np.diff(first, append=len(starts)) > 0])
 
 
 def _line_breaks(text: ByteArray) -> NDArray[np.bool_]:

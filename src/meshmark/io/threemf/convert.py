@@ -36,7 +36,7 @@ _NO_TIME = (1980, 1, 1, 0, 0, 0)
 _VERTEX = '<vertex x="{0}" y="{0}" z="{0}"/>\n'
 _TRIANGLE = '<triangle v1="%d" v2="%d" v3="%d"/>\n'
 _ROWS_AT_ONCE = 50_000
-# Finer than 32-bit floats: this share of the diagonal is still told apart.
+# Finer than 32-bit floats: this share of the diagonal is still resolved.
 _RESOLUTION = 1e-9
 
 

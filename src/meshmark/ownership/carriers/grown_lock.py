@@ -1,4 +1,4 @@
-"""Locking a few neighbouring cells first and growing from there (DESIGN section 4, lattice lock).
+"""Locking a few neighbouring cells first and growing from there (docs/design.md, section 4, lattice lock).
 
 A cluster of cells on one side of the model hardly feels a turn or a growth about its own centre: it is locked with
 thousands of times fewer corrections than all cells at once. The best are then held to wider and wider clusters,

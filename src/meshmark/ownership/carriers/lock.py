@@ -1,7 +1,7 @@
 """Lattice lock: the correction under which the cells' offsets lie on the quantiser's points.
 
 The score sum_k cos(psi_k + g_k . y) of doubled phases psi does not depend on the message and peaks at the true
-correction y (DESIGN section 4). As exp(i (a + b)) = exp(i a) exp(i b), the scores of all corrections (y1, y2) are
+correction y (design.md, section 4). As exp(i (a + b)) = exp(i a) exp(i b), the scores of all corrections (y1, y2) are
 *one matrix product*, of the waves of all y1 with those of all y2: a million corrections cost a few milliseconds.
 So a grid over a ball in seven or more dimensions is searched whole, with no risk of missing a peak, and only the
 best places are polished.

@@ -7,7 +7,7 @@ from dataclasses import replace
 from meshmark.certificate.certificate import Certificate
 from meshmark.geometry.frame import Frame, canonical_frame
 from meshmark.geometry.registration.landmarks import Landmarks
-from meshmark.geometry.registration.prepared_surface import Surface
+from meshmark.geometry.registration.prepared_surface import PreparedSurface
 from meshmark.geometry.registration.register import register
 from meshmark.geometry.similarity import Similarity
 from meshmark.geometry.weld import Welded
@@ -28,7 +28,7 @@ def starting_frames(suspect: Welded, reference: Certificate | Mesh) -> list[Fram
     Raises `InputError` where the suspect or the original has no surface.
     """
     landmarks, home = _landmarks(reference)
-    found = register(landmarks, home, Surface(suspect.points, suspect.faces))
+    found = register(landmarks, home, PreparedSurface(suspect.points, suspect.faces))
     return [_frame(fit.pose, home) for fit in found]
 
 
@@ -37,7 +37,7 @@ def _landmarks(reference: Certificate | Mesh) -> tuple[Landmarks, Frame]:
         return reference.landmarks, reference.frame
     welded = marked_surface(reference)
     home = canonical_frame(welded.points, welded.faces)
-    return Surface(welded.points, welded.faces, home).landmarks(ORIGINAL_LANDMARKS), home
+    return PreparedSurface(welded.points, welded.faces, home).landmarks(ORIGINAL_LANDMARKS), home
 
 
 def _frame(pose: Similarity, home: Frame) -> Frame:

@@ -55,8 +55,16 @@ def fitted(fit: Examples, held: Examples, recipe: Recipe, seed: int) -> tuple[Tr
 def _run(fit: Examples, held: Examples, recipe: Recipe, seed: Sequence[int]) -> tuple[Trained, Perceptron]:
     drawn = Perceptron.drawn(fit[0], recipe.hidden, np.random.default_rng(seed))
     goal, watch = (
-        Objective(drawn, logistic, *examples, np.ones(len(examples[0])), ridge)
-        for examples, ridge in ((fit, recipe.ridge), (held, 0.0))
+        Objective(
+            network=drawn,
+            loss_of=logistic,
+            inputs=inputs,
+            gain=gain,
+            targets=targets,
+            shares=np.ones(len(inputs)),
+            ridge=ridge,
+        )
+        for (inputs, gain, targets), ridge in ((fit, recipe.ridge), (held, 0.0))
     )
     found = levenberg_marquardt(
         goal.loss,

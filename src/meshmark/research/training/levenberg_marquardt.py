@@ -1,4 +1,6 @@
-"""Levenberg-Marquardt training: damped Gauss-Newton with an analytic Jacobian (DESIGN section 5; paper eq. 14).
+"""Levenberg-Marquardt training: damped Gauss-Newton with an analytic Jacobian.
+
+See docs/design.md, section 5, and the paper's eq. 14.
 
 For a loss sum_i l_i(z_i) over outputs z_i with derivatives J, the step solves
 

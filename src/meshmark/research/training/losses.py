@@ -42,7 +42,7 @@ def logistic(outputs: FloatArray, targets: FloatArray) -> tuple[FloatArray, Floa
 LOSSES: dict[str, Loss] = {"squares": squares, "logistic": logistic}
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Objective:
     """The mean loss of a network over n samples, as a function of its weights, plus half ridge |weights|^2.
 

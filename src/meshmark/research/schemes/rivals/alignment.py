@@ -6,7 +6,7 @@ import numpy as np
 
 from meshmark.geometry.closest_point import SurfaceIndex
 from meshmark.geometry.frame import canonical_frame
-from meshmark.geometry.registration.prepared_surface import Surface
+from meshmark.geometry.registration.prepared_surface import PreparedSurface
 from meshmark.geometry.registration.register import register
 from meshmark.geometry.similarity import Similarity, fit_similarity
 from meshmark.mesh import FloatArray
@@ -45,8 +45,8 @@ def differences(original: Host, suspect: Host) -> tuple[FloatArray, FloatArray]:
 
 def _pose(original: Host, suspect: Host) -> Similarity | None:
     home = canonical_frame(original.points, original.faces)
-    landmarks = Surface(original.points, original.faces, home).landmarks(LANDMARKS)
-    found = register(landmarks, home, Surface(suspect.points, suspect.faces))
+    landmarks = PreparedSurface(original.points, original.faces, home).landmarks(LANDMARKS)
+    found = register(landmarks, home, PreparedSurface(suspect.points, suspect.faces))
     if not found:
         return None
     to_canonical = Similarity(scale=home.scale, rotation=home.axes, shift=home.centre).inverse()

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from meshmark.attacks.attack import Attacked, Given
-from meshmark.attacks.moving import centroid, moved
+from meshmark.attacks.moved_vertices import centroid, moved
 from meshmark.mesh import Mesh
 
 __all__ = ["affine", "mirror", "similarity"]

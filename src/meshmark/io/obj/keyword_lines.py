@@ -18,7 +18,7 @@ __all__ = ["ObjLines", "Rows", "corner_indices", "obj_lines"]
 _SLASH = ord("/")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Rows:
     """All lines of one keyword.
 
@@ -88,10 +88,12 @@ def obj_lines(data: bytes, wanted: Iterable[bytes], counted: Iterable[bytes] = (
             )
         lines += len(block.first)
     empty = (np.empty(0, dtype=np.int64),) * 5
-    joined = {
-        word: Rows(text, *(np.concatenate(column) for column in zip(*(found or [empty]), strict=True)))
-        for word, found in parts.items()
-    }
+    joined = {}
+    for word, found in parts.items():
+        starts, ends, words, numbers, heads = (
+            np.concatenate(column) for column in zip(*(found or [empty]), strict=True)
+        )
+        joined[word] = Rows(text=text, starts=starts, ends=ends, counts=words, numbers=numbers, heads=heads)
     return ObjLines(joined, census)
 
 

@@ -16,7 +16,7 @@ from meshmark.mesh import FloatArray, IntArray
 if TYPE_CHECKING:
     from scipy.sparse.linalg import SuperLU
 
-__all__ = ["Drawing", "spreads"]
+__all__ = ["MiniatureProjection", "spreads"]
 
 # Lengths of detail, in edges of the miniature: coarser, the miniature says where points lie; finer, they keep the
 # shape that they have among themselves. From stiff to soft, each for some rounds, fewer where points are many.
@@ -26,8 +26,8 @@ MOST_ROUNDS, LEAST_ROUNDS, QUERIES = 12, 3, 100_000
 SMOOTH, SMOOTH_ROUNDS = 0.9, 4
 
 
-class Drawing:
-    """A surface whose altered points can be drawn to the miniature.
+class MiniatureProjection:
+    """A surface whose altered points can be projected onto the miniature.
 
     points: (p, 3); faces: (m, 3); graph: (p, p) adjacency; altered: (p,), points of faces only; mini: points and
     faces in the same coordinates. Near points that stay, the miniature is corrected by how far it lies off them.
@@ -47,13 +47,13 @@ class Drawing:
         self.detail = _length(mini[0], edges)
         degree = np.maximum(np.asarray(graph.sum(axis=1)).ravel(), 1.0)
         self.walk = csr_array(diags_array(np.ones(len(points))) - diags_array(1.0 / degree) @ graph)
-        rim = (np.asarray(graph @ altered.astype(float)) > 0.0) & ~altered
-        self.offset = self._carried(rim)
+        boundary = (np.asarray(graph @ altered.astype(float)) > 0.0) & ~altered
+        self.offset = self._carried(boundary)
 
-    def _carried(self, rim: NDArray[np.bool_]) -> FloatArray:
-        """Return (p, 3): how far the rim lies off the miniature, carried on into altered points harmonically."""
+    def _carried(self, boundary: NDArray[np.bool_]) -> FloatArray:
+        """Return (p, 3): distance of the boundary from the miniature, extended harmonically into altered points."""
         offset = np.zeros(self.points.shape)
-        held, rows = np.flatnonzero(rim), np.flatnonzero(self.altered)
+        held, rows = np.flatnonzero(boundary), np.flatnonzero(self.altered)
         if len(held) and len(rows):
             offset[held] = self.points[held] - self.index.nearest(self.points[held]).points
             from scipy.sparse.linalg import splu
@@ -63,13 +63,13 @@ class Drawing:
             offset[rows] = splu(matrix).solve(-(part[:, held] @ offset[held]))
         return offset
 
-    def off(self) -> FloatArray:
+    def distances(self) -> FloatArray:
         """Return how far each altered point lies off the corrected miniature."""
         places = (self.points - self.offset)[self.altered]
         return self.index.nearest(places).distances if len(places) else np.zeros(0)
 
-    def draw(self, moving: NDArray[np.bool_]) -> FloatArray:
-        """Return the points, those that are `moving` (p,), altered ones all, drawn to the corrected miniature."""
+    def project(self, moving: NDArray[np.bool_]) -> FloatArray:
+        """Return the points, the altered ones that are `moving` (p,) projected onto the corrected miniature."""
         moved = self.points.copy()
         rows = np.flatnonzero(moving)
         if not len(rows):

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from meshmark.errors import InputError
-from meshmark.metrics.detection import detection_rate, present_rate, threshold_for
+from meshmark.metrics.detection_rates import detection_rate, present_rate, threshold_for
 from tests.counting import Share
 
 SCORES = st.lists(st.integers(-5, 5).map(float), min_size=1, max_size=50)

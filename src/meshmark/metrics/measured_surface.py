@@ -13,10 +13,10 @@ from meshmark.geometry.closest_point import Nearest, SurfaceIndex
 from meshmark.geometry.weld import weld
 from meshmark.mesh import FloatArray, IntArray, Mesh
 
-__all__ = ["Surface", "surface_of"]
+__all__ = ["MeasuredSurface", "surface_of"]
 
 
-class Surface:
+class MeasuredSurface:
     """The welded points (p, 3) and faces of a model, and its closest-point index.
 
     faces: (m, 3) those with three different points; all_faces: with those that collapse;
@@ -35,7 +35,7 @@ class Surface:
         self.low = self.points.min(axis=0)
         self.longest = float(np.ptp(self.points, axis=0).max())
         self._corners = mesh.faces
-        self._nearest: WeakKeyDictionary[Surface, Nearest] = WeakKeyDictionary()
+        self._nearest: WeakKeyDictionary[MeasuredSurface, Nearest] = WeakKeyDictionary()
 
     @property
     def all_faces(self) -> IntArray:
@@ -59,22 +59,22 @@ class Surface:
         """
         return vertex_areas_and_normals(self.scaled(self.points), self.faces)
 
-    def equals(self, other: Surface) -> bool:
+    def equals(self, other: MeasuredSurface) -> bool:
         """Whether both have the same points and faces in the same order."""
         return np.array_equal(self.points, other.points) and np.array_equal(self.faces, other.faces)
 
-    def nearest_on(self, other: Surface) -> Nearest:
+    def nearest_on(self, other: MeasuredSurface) -> Nearest:
         """Return the closest point of the other surface to each of these points."""
         if other not in self._nearest:
             self._nearest[other] = other.index.nearest(self.points)
         return self._nearest[other]
 
 
-_SURFACES: WeakKeyDictionary[Mesh, Surface] = WeakKeyDictionary()
+_SURFACES: WeakKeyDictionary[Mesh, MeasuredSurface] = WeakKeyDictionary()
 
 
-def surface_of(mesh: Mesh) -> Surface:
+def surface_of(mesh: Mesh) -> MeasuredSurface:
     """Return the surface of a model, made once while the model lives; raises `InputError` where there is none."""
     if mesh not in _SURFACES:
-        _SURFACES[mesh] = Surface(mesh)
+        _SURFACES[mesh] = MeasuredSurface(mesh)
     return _SURFACES[mesh]

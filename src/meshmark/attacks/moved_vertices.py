@@ -28,5 +28,5 @@ def centroid(mesh: Mesh) -> FloatArray:
 
 
 def mean_radius(mesh: Mesh) -> float:
-    """Return r, the mean distance of the vertices from their centroid (DESIGN section 10)."""
+    """Return r, the mean distance of the vertices from their centroid (docs/design.md, section 10)."""
     return float(np.linalg.norm(mesh.vertices - centroid(mesh), axis=1).mean())

@@ -1,4 +1,4 @@
-"""The model that a command is given: a file, or standard input where its format is told."""
+"""The model that a command is given: a file, or standard input where its format is given."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def read_model(path: Path, format: ModelFormat | None, staging: Staging | None =
     """Read a model file, or standard input for `-`; raises `InputError`.
 
     format: of standard input, which has no name and need not tell by its content; None for a file.
-    staging: of the outputs, which is told not to touch the files that the model is made of.
+    staging: of the outputs, which must not touch the files that the model is made of.
     """
     from meshmark.io import input_files
 
