@@ -40,14 +40,12 @@ if TYPE_CHECKING:
     )
     from meshmark.mesh import Mesh
     from meshmark.metrics import METRICS, compare
-    from meshmark.research.schemes import SCHEMES
     from meshmark.saliency import analyse
     from meshmark.segmentation import segment
 
 __all__ = [
     "ATTACKS",
     "METRICS",
-    "SCHEMES",
     "Authentication",
     "CapacityError",
     "Certificate",
@@ -76,10 +74,9 @@ __version__ = "0.1.0"
 _HOME = {
     "ATTACKS": "attacks",
     "METRICS": "metrics",
-    "SCHEMES": "schemes",
-    "Authentication": "schemes.ncdg_lv",
+    "Authentication": "marking",
     "CapacityError": "errors",
-    "Certificate": "schemes.ncdg_lv",
+    "Certificate": "marking",
     "FormatError": "errors",
     "InputError": "errors",
     "Key": "coding.keys",
@@ -87,16 +84,16 @@ _HOME = {
     "Mesh": "mesh",
     "MeshmarkError": "errors",
     "OutputError": "errors",
-    "Recovery": "schemes.ncdg_lv",
+    "Recovery": "marking",
     "analyse": "saliency",
-    "authenticate": "schemes.ncdg_lv",
+    "authenticate": "marking",
     "compare": "metrics",
-    "embed": "schemes.ncdg_lv",
-    "extract": "schemes.ncdg_lv",
+    "embed": "marking",
+    "extract": "marking",
     "read_mesh": "io",
-    "recover": "schemes.ncdg_lv",
+    "recover": "marking",
     "segment": "segmentation",
-    "unmark": "schemes.ncdg_lv",
+    "unmark": "marking",
     "write_mesh": "io",
 }
 
