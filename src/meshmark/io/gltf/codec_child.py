@@ -1,7 +1,7 @@
 """The process in which compressed glTF streams are decoded: streams on standard input, arrays on standard output.
 
 A program of its own: the Draco library is native code, which a hostile stream may crash, and what a stream unpacks
-to is not known before. `gltf_streams` starts it with limits on time and memory and speaks its protocol.
+to is not known before. `streams` starts it with limits on time and memory and speaks its protocol.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ def _main() -> None:
     """Read, decode, write; a stream that cannot be decoded is an answer too."""
     memory, seconds = int(sys.argv[1]), int(sys.argv[2])
     _limit(memory, seconds)
-    sys.path.insert(0, str(Path(__file__).parents[2]))
+    sys.path.insert(0, str(Path(__file__).parents[3]))
     from meshmark.io.gltf.codecs import decode
 
     # Libraries may print: nothing but the answer goes where the answer is read.

@@ -22,7 +22,7 @@ from meshmark.errors import FormatError
 
 __all__ = ["Stream", "decode_streams"]
 
-_CHILD = Path(__file__).with_name("gltf_codec_child.py")
+_CHILD = Path(__file__).with_name("codec_child.py")
 _MEMORY, _SECONDS = 1 << 30, 30
 
 # Meshopt says "these rows are equal" in next to nothing; meshes shrink to a tenth. A small file that claims to grow
@@ -42,7 +42,7 @@ class Stream:
 
 
 def decode_streams(streams: Sequence[Stream]) -> list[dict[str, NDArray[Any]]]:
-    """Return the arrays of each stream by name (see `gltf_codecs`).
+    """Return the arrays of each stream by name (see `codecs`).
 
     Raises `FormatError` where one cannot be decoded, or not within the limits.
     """
