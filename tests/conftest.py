@@ -20,9 +20,9 @@ settings.load_profile("meshmark")
 # The files that take longest, the slowest first. Several processes take files in this order, so that none is left
 # with a long one in the end (`make test`; seconds of processor time: `pytest --durations`).
 SLOWEST = (
-    "research/schemes/test_every_scheme.py", "test_docs.py", "research/schemes/test_damage.py", "cli/test_demo.py",
-    "cli/test_authenticate.py", "cli/test_commands.py", "cli/test_bad_models.py", "research/schemes/test_layers.py",
-    "recovery/test_recovering.py", "research/schemes/test_embedding.py", "research/schemes/test_unsmoothing.py",
+    "research/test_every_scheme.py", "test_docs.py", "ownership/test_damage.py", "cli/test_demo.py",
+    "cli/test_authenticate.py", "cli/test_commands.py", "cli/test_bad_models.py", "marking/test_layers.py",
+    "recovery/test_repair.py", "ownership/test_embedding.py", "ownership/test_unsmoothed.py",
     "research/benchmark/test_resuming.py", "research/benchmark/test_page.py", "research/benchmark/test_plots.py",
 )  # fmt: skip
 

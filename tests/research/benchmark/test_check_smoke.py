@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-TOOL = Path(__file__).resolve().parents[2] / "tools" / "check_smoke.py"
+TOOL = Path(__file__).resolve().parents[3] / "tools" / "check_smoke.py"
 SPEC = importlib.util.spec_from_file_location("check_smoke", TOOL)
 check_smoke = importlib.util.module_from_spec(SPEC)
 SPEC.loader.exec_module(check_smoke)

@@ -25,7 +25,7 @@ from meshmark.research.schemes.table import ENTRY_POINTS
 from tests.counting import some
 from tests.research.benchmark.planted import planted_rows
 
-DOCS = Path(__file__).parents[2] / "docs"
+DOCS = Path(__file__).parents[3] / "docs"
 GUIDE = (DOCS / "benchmark.md").read_text(encoding="utf-8")
 OWN = (DOCS / "your-scheme.md").read_text(encoding="utf-8")
 (ROWS_EXAMPLE,) = re.findall(r"```python\n(.*?)```", GUIDE, re.DOTALL)

@@ -19,7 +19,7 @@ from meshmark.research.benchmark.page.plots import plots
 from tests.counting import some
 from tests.research.benchmark.planted import planted_rows
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 ROWS = planted_rows(models=16)
 ALL = [f for f in robustness(ROWS) if (f.split, f.size_class, f.budget) == ("test", "all", "standard")]
 SERIES = [Series(Entry(words="ncdg_lv, standard", colour=0), tuple(ALL))]
