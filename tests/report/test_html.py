@@ -33,7 +33,7 @@ def test_a_value_that_is_missing_is_an_error():
         html_page("authentication.html", "report", title="t")
 
 
-@pytest.mark.parametrize("folder", ["report", "benchmark"])
+@pytest.mark.parametrize("folder", ["report", "research/benchmark/page"])
 def test_every_template_is_in_the_package_and_compiles(folder):
     names = sorted(path.name for path in resources.files("meshmark").joinpath(folder, "templates").iterdir())
     assert any(name.endswith(".html") for name in names)
