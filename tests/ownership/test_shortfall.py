@@ -70,7 +70,7 @@ def test_thin_scattered_parts_are_named():
 def test_room_for_authentication_alone_is_said():
     points, faces = pebble(40)
     needle = Mesh(points * [1.0, 0.02, 0.02], faces)
-    with pytest.raises(CapacityError, match="for --layers authentication, .* there is room"):
+    with pytest.raises(CapacityError, match=r"for --layers authentication, .* there is room"):
         embed(needle, KEY, id=ID)
     assert embed(needle, KEY, id=ID, layers="authentication").verified
 
