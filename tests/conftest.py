@@ -7,6 +7,9 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
+from meshmark.mesh import Mesh
+from tests.shapes import pebble
+
 SHARED_DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
 
 # How long an example takes depends on what else the machine does.
@@ -17,9 +20,9 @@ settings.load_profile("meshmark")
 # The files that take longest, the slowest first. Several processes take files in this order, so that none is left
 # with a long one in the end (`make test`; seconds of processor time: `pytest --durations`).
 SLOWEST = (
-    "research/schemes/test_every_scheme.py", "test_docs.py", "research/schemes/test_damage.py", "cli/test_demo.py",
-    "cli/test_authenticate.py", "cli/test_commands.py", "cli/test_bad_models.py", "research/schemes/test_layers.py",
-    "recovery/test_recovering.py", "research/schemes/test_embedding.py", "research/schemes/test_unsmoothing.py",
+    "research/test_every_scheme.py", "test_docs.py", "ownership/test_damage.py", "cli/test_demo.py",
+    "cli/test_authenticate.py", "cli/test_commands.py", "cli/test_bad_models.py", "marking/test_layers.py",
+    "recovery/test_repair.py", "ownership/test_embedding.py", "ownership/test_unsmoothed.py",
     "research/benchmark/test_resuming.py", "research/benchmark/test_page.py", "research/benchmark/test_plots.py",
 )  # fmt: skip
 
@@ -43,3 +46,9 @@ def shared_data() -> Path:
     if not SHARED_DATA.is_dir():
         pytest.skip("../shared/data is not on this machine")
     return SHARED_DATA
+
+
+@pytest.fixture(scope="session")
+def model() -> Mesh:
+    """Return a closed shape of 2,522 vertices."""
+    return Mesh(*pebble())

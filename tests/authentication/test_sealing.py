@@ -50,4 +50,5 @@ def test_the_library_is_imported_only_to_seal_or_open():
         "import sys, meshmark; meshmark.embed, meshmark.extract, meshmark.unmark; import meshmark.cli.main\n"
         "assert not [name for name in sys.modules if name.startswith('cryptography')]"
     )
-    subprocess.run([sys.executable, "-c", code], check=True)
+    ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert ran.returncode == 0, ran.stderr

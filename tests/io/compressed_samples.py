@@ -44,7 +44,8 @@ def meshopt_triangles(indices: np.ndarray) -> bytes:
     for triangle in indices.reshape(-1, 3):
         out += b"\xff"
         for index in map(int, triangle):
-            value = (index - last) * 2 if index >= last else (last - index) * 2 - 1
+            step = (index - last) & 0xFFFFFFFF  # as in the reference, where a step may wrap around
+            value = (step << 1 & 0xFFFFFFFF) ^ (0xFFFFFFFF if step >> 31 else 0)
             last = index
             while value > 127:
                 out.append(value & 127 | 128)

@@ -10,6 +10,8 @@ import pytest
 from meshmark.errors import FormatError
 from meshmark.io import read_mesh, write_mesh
 from meshmark.io.obj.parse import parse_obj
+from meshmark.io.save import WriteReport
+from meshmark.mesh import Mesh
 from tests.io.text_samples import SAMPLES
 
 POINTS = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
@@ -149,21 +151,34 @@ def test_what_is_not_finite_stays_where_no_face_uses_it() -> None:
         assert found.colors[corners[0]][:, :3].tolist() == [[255, 0, 0], [0, 0, 255], [255, 255, 0]]
 
 
-@pytest.mark.parametrize("suffix", [".stl", ".3mf", ".off", ".ply", ".obj", ".glb", ".gltf"])
-def test_a_conversion_drops_or_keeps_what_is_not_finite(suffix: str, tmp_path: Path) -> None:
+def converted(suffix: str, tmp_path: Path) -> tuple[Mesh, WriteReport]:
+    """Return a model whose attributes are not all finite as it is read from another format, and what was said."""
     more = b"vt nan 1\nvt 0 inf\nvn 1.#IND 0 0\nf 1/1/1 2/2/1 3/1/1\nf 1/1/1 3/2/1 4/1/1\n"
     (tmp_path / "a.obj").write_bytes(POINTS + more)
     mesh = read_mesh(tmp_path / "a.obj")
     report = write_mesh(mesh, tmp_path / f"b{suffix}")
     again = read_mesh(tmp_path / f"b{suffix}")
     np.testing.assert_allclose(again.vertices[again.faces], mesh.vertices[mesh.faces])
+    return again, report
+
+
+@pytest.mark.parametrize("suffix", [".off", ".ply", ".obj"])
+def test_a_conversion_to_text_or_ply_keeps_what_is_not_finite(suffix: str, tmp_path: Path) -> None:
+    again, _ = converted(suffix, tmp_path)
     assert again.document is not None
-    if suffix in (".off", ".ply", ".obj"):
-        texcoords = again.document.attributes().texcoords
-        assert texcoords is not None
-        assert not np.isfinite(texcoords).all()
-    elif suffix in (".glb", ".gltf"):
-        assert "texture coordinates, as some are not finite numbers" in report.dropped
-        assert "normals, as some have no direction" in report.dropped
-    else:
-        assert {"texture coordinates", "normals"} <= set(report.dropped)
+    texcoords = again.document.attributes().texcoords
+    assert texcoords is not None
+    assert not np.isfinite(texcoords).all()
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".gltf"])
+def test_a_conversion_to_gltf_drops_what_is_not_finite_and_says_so(suffix: str, tmp_path: Path) -> None:
+    _, report = converted(suffix, tmp_path)
+    assert "texture coordinates, as some are not finite numbers" in report.dropped
+    assert "normals, as some have no direction" in report.dropped
+
+
+@pytest.mark.parametrize("suffix", [".stl", ".3mf"])
+def test_a_conversion_to_what_holds_no_attributes_says_so(suffix: str, tmp_path: Path) -> None:
+    _, report = converted(suffix, tmp_path)
+    assert {"texture coordinates", "normals"} <= set(report.dropped)

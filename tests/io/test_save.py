@@ -290,7 +290,7 @@ def test_external_buffers_of_the_input_are_never_replaced(tmp_path: Path) -> Non
         def patched(self, vertices: np.ndarray, name: str) -> dict[str, bytes]:
             return {name: b"main", "shared.bin": b"second"}
 
-    two = save_module.SourceFile(tmp_path / "made.glb", TwoFiles())  # type: ignore[arg-type]
+    two = save_module.SourceFile(path=tmp_path / "made.glb", document=TwoFiles())  # type: ignore[arg-type]
     pair = Mesh(mesh.vertices, mesh.faces, two)
     (tmp_path / "shared.bin").write_bytes(b"the input's")
     with pytest.raises(InputError, match=r"would replace shared\.bin"):

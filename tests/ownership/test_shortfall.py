@@ -69,13 +69,17 @@ def test_thin_scattered_parts_are_named():
 
 def test_room_for_authentication_alone_is_said():
     points, faces = pebble(40)
-    both = Mesh(points, np.concatenate([faces, faces[:, ::-1]]))
+    needle = Mesh(points * [1.0, 0.02, 0.02], faces)
+    with pytest.raises(CapacityError, match=r"for --layers authentication, .* there is room"):
+        embed(needle, KEY, id=ID)
+    assert embed(needle, KEY, id=ID, layers="authentication").verified
+
+
+def test_no_room_for_authentication_alone_is_not_promised():
+    points, faces = pebble(40)
+    doubled = Mesh(points, np.concatenate([faces, faces[:, ::-1]]))
     with pytest.raises(CapacityError) as caught:
-        embed(both, KEY, id=ID)
-    fits = "--layers authentication" in str(caught.value)
-    try:
-        embed(both, KEY, id=ID, layers="authentication")
-    except CapacityError:
-        assert not fits
-    else:
-        assert fits
+        embed(doubled, KEY, id=ID)
+    assert "--layers authentication" not in str(caught.value)
+    with pytest.raises(CapacityError, match="room for 0 marks of authentication"):
+        embed(doubled, KEY, id=ID, layers="authentication")

@@ -1,7 +1,7 @@
 """The process in which compressed glTF streams are decoded: streams on standard input, arrays on standard output.
 
 A program of its own: the Draco library is native code, which a hostile stream may crash, and what a stream unpacks
-to is not known before. `gltf_streams` starts it with limits on time and memory and speaks its protocol.
+to is not known before. `streams` starts it with limits on time and memory and speaks its protocol.
 """
 
 from __future__ import annotations

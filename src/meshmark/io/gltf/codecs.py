@@ -1,4 +1,4 @@
-"""The table of codecs that compress the data of a glTF. Called in a process of its own only, see `gltf_streams`."""
+"""The table of codecs that compress the data of a glTF. Called in a process of its own only, see `streams`."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """glTF 2.0, as .gltf and .glb: a save patches positions into the original bytes and nothing else.
 
 Specification: Khronos glTF 2.0.1, with KHR_mesh_quantization. A file with compressed data (Draco, meshopt) is
-decoded first (`gltf_unpack`), and a save with moved positions writes it uncompressed, see
+decoded first (`unpack`), and a save with moved positions writes it uncompressed, see
 docs/decisions/0002-compressed-gltf.md.
 """
 
@@ -34,7 +34,7 @@ __all__ = ["GltfDocument", "parse_glb", "parse_gltf"]
 class GltfDocument:
     """A glTF file; the `Document` protocol says what its methods promise.
 
-    `gltf_scene` says which vertices there are; `gltf_patch` how files beside a .gltf are named.
+    `scene` says which vertices there are; `patch` how files beside a .gltf are named.
     compressed: the file as it was read, where the container holds it without its compression; else None.
     """
 

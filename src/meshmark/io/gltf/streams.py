@@ -42,7 +42,7 @@ class Stream:
 
 
 def decode_streams(streams: Sequence[Stream]) -> list[dict[str, NDArray[Any]]]:
-    """Return the arrays of each stream by name (see `gltf_codecs`).
+    """Return the arrays of each stream by name (see `codecs`).
 
     Raises `FormatError` where one cannot be decoded, or not within the limits.
     """
