@@ -25,7 +25,7 @@ from meshmark.attacks import ATTACKS
 from meshmark.attacks.attack import Attacked, Given
 from meshmark.authentication.checks.altered_points import altered_points
 from meshmark.authentication.checks.checks import Checks, check
-from meshmark.authentication.marks.plan import Marked, mark
+from meshmark.authentication.marks.plan import Marked, mark, plan
 from meshmark.authentication.marks.precision import precision_of
 from meshmark.coding.keys import Key
 from meshmark.geometry.adjacency import adjacency, unique_edges
@@ -100,7 +100,7 @@ def _marked(mesh: Mesh, nonce: int) -> tuple[Mesh, Marked]:
     def symbols(index: NDArray[np.uint32]) -> NDArray[np.uint16]:
         return (index >> np.uint32(28)).astype(np.uint16)
 
-    done = mark(surface, KEY, nonce, symbols, precision_of(mesh))
+    done = mark(plan(surface, KEY, precision_of(mesh)), KEY, nonce, symbols)
     return mesh.with_vertices(conform(mesh, done.points[surface.point_of_vertex])), done
 
 

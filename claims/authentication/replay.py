@@ -47,7 +47,7 @@ def _by_point(surface: Welded) -> dict[int, IntArray]:
     groups = ordered_rings(surface.faces, len(surface.points))
     inside = np.ones(len(surface.points), bool)
     for group in groups:
-        inside[group.around[group.rim]] = False
+        inside[group.around[group.boundary]] = False
     return {
         int(point): ring
         for group in groups

@@ -13,8 +13,8 @@ import meshmark as mm
 from claims.models import load, model_paths
 from claims.recovery import DONOR
 from meshmark.geometry.weld import Welded, weld
+from meshmark.marking import Embedding
 from meshmark.mesh import Mesh
-from meshmark.ownership.results import Embedding
 
 __all__ = ["KEY", "Subject", "donor", "subjects"]
 

@@ -8,7 +8,8 @@
     found = mm.extract(mm.read_mesh("marked.ply"), key)
     check = mm.authenticate(mm.read_mesh("marked.ply"), key)
 
-The names below are the public interface. Each is imported when it is first used.
+`mm.embed_file` goes from file to file and verifies what it has written. The names below are the public interface.
+Each is imported when it is first used.
 """
 
 from __future__ import annotations
@@ -30,27 +31,34 @@ if TYPE_CHECKING:
     from meshmark.io import read_mesh, write_mesh
     from meshmark.marking import (
         Authentication,
+        AuthenticationMark,
         Certificate,
+        Embedding,
+        Extraction,
+        OwnershipMark,
         Recovery,
+        Unmarked,
         authenticate,
         embed,
+        embed_file,
         extract,
         recover,
         unmark,
     )
     from meshmark.mesh import Mesh
     from meshmark.metrics import METRICS, compare
-    from meshmark.research.schemes import SCHEMES
     from meshmark.saliency import analyse
     from meshmark.segmentation import segment
 
 __all__ = [
     "ATTACKS",
     "METRICS",
-    "SCHEMES",
     "Authentication",
+    "AuthenticationMark",
     "CapacityError",
     "Certificate",
+    "Embedding",
+    "Extraction",
     "FormatError",
     "InputError",
     "Key",
@@ -58,11 +66,14 @@ __all__ = [
     "Mesh",
     "MeshmarkError",
     "OutputError",
+    "OwnershipMark",
     "Recovery",
+    "Unmarked",
     "analyse",
     "authenticate",
     "compare",
     "embed",
+    "embed_file",
     "extract",
     "read_mesh",
     "recover",
@@ -76,10 +87,12 @@ __version__ = "0.1.0"
 _HOME = {
     "ATTACKS": "attacks",
     "METRICS": "metrics",
-    "SCHEMES": "schemes",
-    "Authentication": "schemes.ncdg_lv",
+    "Authentication": "authentication.verdict",
+    "AuthenticationMark": "marking.embedding_result",
     "CapacityError": "errors",
-    "Certificate": "schemes.ncdg_lv",
+    "Certificate": "certificate.certificate",
+    "Embedding": "marking.embedding_result",
+    "Extraction": "ownership.extraction_result",
     "FormatError": "errors",
     "InputError": "errors",
     "Key": "coding.keys",
@@ -87,16 +100,19 @@ _HOME = {
     "Mesh": "mesh",
     "MeshmarkError": "errors",
     "OutputError": "errors",
-    "Recovery": "schemes.ncdg_lv",
+    "OwnershipMark": "ownership.ownership_mark",
+    "Recovery": "authentication.part_recovery",
+    "Unmarked": "marking.undo",
     "analyse": "saliency",
-    "authenticate": "schemes.ncdg_lv",
+    "authenticate": "authentication.verdict",
     "compare": "metrics",
-    "embed": "schemes.ncdg_lv",
-    "extract": "schemes.ncdg_lv",
+    "embed": "marking.embedding",
+    "embed_file": "marking.marked_file",
+    "extract": "ownership.extraction",
     "read_mesh": "io",
-    "recover": "schemes.ncdg_lv",
+    "recover": "authentication.part_recovery",
     "segment": "segmentation",
-    "unmark": "schemes.ncdg_lv",
+    "unmark": "marking.undo",
     "write_mesh": "io",
 }
 

@@ -5,7 +5,8 @@ import json
 import numpy as np
 import pytest
 
-from meshmark.certificate.certificate import Certificate, certify
+from meshmark.certificate.certificate import Certificate
+from meshmark.certificate.certify import certify
 from meshmark.errors import InputError, OutputError
 from meshmark.mesh import Mesh
 from tests.geometry.registering import lump

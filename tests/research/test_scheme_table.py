@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-import meshmark as mm
+import meshmark.research as research
 from meshmark.errors import InputError
 
 OUTSIDE = """
@@ -43,29 +43,29 @@ def outside(tmp_path, monkeypatch):
 
 
 def test_our_own_scheme_is_there():
-    assert "ncdg_lv" in mm.SCHEMES
-    assert mm.SCHEMES["ncdg_lv"].bits == 64
+    assert "ncdg_lv" in research.SCHEMES
+    assert research.SCHEMES["ncdg_lv"].bits == 64
 
 
 def test_a_scheme_from_outside_joins(outside):
-    assert {"ncdg_lv", "toy", "half"} <= set(mm.SCHEMES)
-    assert mm.SCHEMES["toy"].title == "Toy"
+    assert {"ncdg_lv", "toy", "half"} <= set(research.SCHEMES)
+    assert research.SCHEMES["toy"].title == "Toy"
 
 
 def test_a_scheme_from_outside_cannot_take_our_name(outside):
-    assert mm.SCHEMES["ncdg_lv"].title == "NCDG-LV"
-    assert list(mm.SCHEMES).count("ncdg_lv") == 1
+    assert research.SCHEMES["ncdg_lv"].title == "NCDG-LV"
+    assert list(research.SCHEMES).count("ncdg_lv") == 1
 
 
 def test_half_a_scheme_is_refused(outside):
     with pytest.raises(InputError, match=r"'half' .* lacks source, bits, blind, embed, extract"):
-        mm.SCHEMES["half"]
+        research.SCHEMES["half"]
 
 
 def test_an_unknown_name_lists_the_valid_ones():
-    assert "nonsense" not in mm.SCHEMES
+    assert "nonsense" not in research.SCHEMES
     with pytest.raises(KeyError, match="unknown scheme 'nonsense', expected one of ncdg_lv"):
-        mm.SCHEMES["nonsense"]
+        research.SCHEMES["nonsense"]
 
 
 ALONE = OUTSIDE.split("class Half")[0]
@@ -79,19 +79,19 @@ def alone(tmp_path):
 
 
 def test_a_file_is_a_scheme_under_its_path(alone):
-    assert str(alone) in mm.SCHEMES
-    assert mm.SCHEMES[str(alone)].title == "Toy"
-    assert str(alone) not in list(mm.SCHEMES), "only what is installed is listed"
+    assert str(alone) in research.SCHEMES
+    assert research.SCHEMES[str(alone)].title == "Toy"
+    assert str(alone) not in list(research.SCHEMES), "only what is installed is listed"
 
 
 def test_a_file_that_was_changed_is_another_scheme(alone):
-    before = mm.SCHEMES.told(str(alone))
-    assert mm.SCHEMES.told(str(alone)) == before
+    before = research.SCHEMES.told(str(alone))
+    assert research.SCHEMES.told(str(alone)) == before
     alone.write_text(ALONE.replace('"Toy"', '"Newer toy"'))
-    assert mm.SCHEMES[str(alone)].title == "Newer toy"
+    assert research.SCHEMES[str(alone)].title == "Newer toy"
     alone.write_text(ALONE.replace("3, np.uint8", "3, dtype=np.uint8"))
-    assert mm.SCHEMES.told(str(alone)) != before
-    assert mm.SCHEMES.told(str(alone)).startswith("Toy (nowhere, file ")
+    assert research.SCHEMES.told(str(alone)) != before
+    assert research.SCHEMES.told(str(alone)).startswith("Toy (nowhere, file ")
 
 
 @pytest.mark.parametrize(
@@ -111,9 +111,9 @@ def test_a_file_that_was_changed_is_another_scheme(alone):
 def test_a_file_without_one_scheme_is_refused(alone, text, message):
     alone.write_text(text)
     with pytest.raises(InputError, match=message):
-        mm.SCHEMES[str(alone)]
+        research.SCHEMES[str(alone)]
 
 
 def test_a_file_that_is_not_there_is_said_to_be_missing(tmp_path):
     with pytest.raises(InputError, match=r"cannot read the scheme .*nothing\.py: No such file"):
-        mm.SCHEMES[str(tmp_path / "nothing.py")]
+        research.SCHEMES[str(tmp_path / "nothing.py")]

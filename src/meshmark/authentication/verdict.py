@@ -22,7 +22,6 @@ from meshmark.certificate.certificate import Certificate
 from meshmark.coding.chance import believable
 from meshmark.coding.keys import Key
 from meshmark.coding.message import format_id
-from meshmark.geometry.areas import vertex_areas
 from meshmark.mesh import IntArray, Mesh
 from meshmark.ownership.extraction import MODES
 from meshmark.threads import on_one_thread
@@ -113,9 +112,8 @@ def authenticate(mesh: Mesh, key: Key, *, reference: Certificate | Mesh | None =
     start = perf_counter()
     found = examine(mesh, key, reference)
     verdict = _verdict(found)
-    points, faces = found.surface.points, found.surface.faces
-    altered = found.altered if verdict == "altered" else np.zeros(len(points), bool)
-    areas = vertex_areas(points, faces)
+    altered = found.altered if verdict == "altered" else np.zeros(len(found.surface.points), bool)
+    areas = found.surface.point_areas
     share = float(areas[altered].sum() / areas.sum())
     draw = partial(region_map, mesh, found, altered)
     if found.marked and altered.any():
@@ -168,7 +166,7 @@ def _certificate(found: Examination, reference: Certificate | Mesh | None) -> st
 
 def _missing(found: Examination) -> float | None:
     """Return the share that is gone: none where no part is, whatever its area measures."""
-    gone = found.checks.torn.any() or (found.points_missing or 0) > 0
+    gone = found.checks.new_boundary.any() or (found.points_missing or 0) > 0
     return found.area_missing if gone or not found.marked else 0.0
 
 

@@ -16,7 +16,7 @@ from meshmark.certificate.certificate import Certificate
 from meshmark.coding.keys import Key
 from meshmark.errors import InputError
 
-__all__ = ["FIELD", "bound", "refuse_edited", "stranger"]
+__all__ = ["FIELD", "bound", "mismatch", "refuse_edited"]
 
 FIELD = "binding"
 """Name of the certificate's field."""
@@ -45,7 +45,7 @@ def refuse_edited(certificate: Certificate, key: Key) -> None:
         raise InputError("the certificate was edited after it was made, expected the file that `embed` wrote")
 
 
-def stranger(certificate: Certificate, key: Key, identity: int | None) -> str | None:
+def mismatch(certificate: Certificate, key: Key, identity: int | None) -> str | None:
     """Return a sentence where a certificate is not that of the mark with this id (None: of any of this key)."""
     value = certificate.more.get(FIELD)
     if not isinstance(value, dict):

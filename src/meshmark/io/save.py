@@ -33,6 +33,17 @@ class WriteReport:
     decompressed: tuple[str, ...] = ()
 
 
+def _check_is_mesh(mesh: object) -> None:
+    if isinstance(mesh, Mesh):
+        return
+    kind = type(mesh).__name__
+    if isinstance(getattr(mesh, "mesh", None), Mesh):
+        raise InputError(
+            f"write_mesh was given an {kind}, expected a mesh: pass its attribute, {kind.lower()}.mesh"
+        )
+    raise InputError(f"write_mesh was given an object of type {kind}, expected a Mesh")
+
+
 def conform(mesh: Mesh, vertices: FloatArray) -> FloatArray:
     """Return the (n, 3) positions that the mesh's file would hold, after its own precision, for these.
 
@@ -64,6 +75,7 @@ def write_mesh(
     of one that is not written, or cannot be compressed as it was, and `OutputError` where it cannot be written.
     """
     path = Path(path)
+    _check_is_mesh(mesh)
     entry = _format_for(mesh, path, default)
     document = mesh.document
     if recompress:

@@ -19,15 +19,17 @@ from scipy.sparse import csr_array
 from scipy.spatial import cKDTree
 
 from meshmark.authentication.as_written import with_written
-from meshmark.certificate.binding import bound, refuse_edited, stranger
+from meshmark.certificate.binding import bound, mismatch, refuse_edited
 from meshmark.certificate.certificate import Certificate
 from meshmark.certificate.sealing import TAG_BYTES, open_sealed, seal
 from meshmark.coding.keys import Key
 from meshmark.errors import InputError
 from meshmark.geometry.adjacency import adjacency, unique_edges
 from meshmark.geometry.areas import vertex_normals
-from meshmark.geometry.frame import Frame, canonical_frame, frame_alternatives
-from meshmark.geometry.weld import Welded, weld
+from meshmark.geometry.extent import diagonal
+from meshmark.geometry.frame import Frame, frame_alternatives
+from meshmark.geometry.surface import Surface
+from meshmark.geometry.surface_of import surface_of
 from meshmark.io.save import conform
 from meshmark.mesh import FloatArray, IntArray, Mesh
 from meshmark.scene.distinct import distinct
@@ -114,7 +116,7 @@ def unmark(mesh: Mesh, key: Key, certificate: Certificate) -> Unmarked:
     if once is not None:
         found = unmark(once.mesh, key, certificate)
         return replace(found, mesh=once.whole(found.mesh.vertices))
-    data, remark = _data(certificate), stranger(certificate, key, None)
+    data, remark = _data(certificate), mismatch(certificate, key, None)
     if remark is not None:
         raise InputError(f"{remark[:1].lower()}{remark[1:].rstrip('.')}")
     refuse_edited(certificate, key)
@@ -156,7 +158,7 @@ def _bound(result: Mesh, vertices: FloatArray, step: float) -> float:
 
 
 def _diagonal(mesh: Mesh) -> float:
-    return float(np.linalg.norm(np.ptp(mesh.vertices[mesh.faces.ravel()], axis=0)))
+    return diagonal(mesh.vertices, mesh.faces)
 
 
 def _digest(array: FloatArray | IntArray) -> bytes:
@@ -168,24 +170,24 @@ def _digest(array: FloatArray | IntArray) -> bytes:
 def _frame(mesh: Mesh, certificate: Certificate) -> Frame:
     """Return the certificate's frame where the mesh lies there, else that of the mesh which landmarks confirm."""
     signed = certificate.frame
-    welded, own = _signed_off(mesh, signed)
+    surface, own = _signed_off(mesh, signed)
     off = np.linalg.norm(own.centre - signed.centre) / signed.scale + abs(own.scale / signed.scale - 1.0)
     if off + np.abs(own.axes - signed.axes).max() < SAME:
         return signed
     landmarks = certificate.landmarks.places
     if not len(landmarks):
         return own
-    tree = cKDTree(welded.points)
+    tree = cKDTree(surface.points)
     frames = list(frame_alternatives(own))
     left = [float(np.mean(tree.query(frame.to_scene(landmarks))[0])) for frame in frames]
     return frames[int(np.argmin(left))]
 
 
-def _signed_off(mesh: Mesh, signed: Frame) -> tuple[Welded, Frame]:
+def _signed_off(mesh: Mesh, signed: Frame) -> tuple[Surface, Frame]:
     """Return the surface whose frame was signed, of a scene perhaps that without its copies; and its own frame."""
     found = []
     for surface in surfaces_to_read(mesh):
-        found.append((surface, canonical_frame(surface.points, surface.faces)))
+        found.append((surface, surface.frame))
         if abs(found[-1][1].area / signed.area - 1.0) < SAME_AREA:
             return found[-1]
     return found[0]
@@ -206,9 +208,9 @@ class _Predictor:
     """Predicts displacements along the normals of the marked surface from those of vertices nearby on the mesh."""
 
     def __init__(self, mesh: Mesh, frame: Frame) -> None:
-        welded = weld(mesh)
-        normals = vertex_normals(frame.to_canonical(welded.points), welded.faces)
-        self.normals = normals[welded.point_of_vertex]
+        surface = surface_of(mesh)
+        normals = vertex_normals(frame.to_canonical(surface.points), surface.faces)
+        self.normals = normals[surface.point_of_vertex]
         self.walk = csr_array(adjacency(unique_edges(mesh.faces), len(mesh.vertices)))
 
     def __call__(self, values: IntArray, known: NDArray[np.bool_], reach: int) -> IntArray:

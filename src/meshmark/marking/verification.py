@@ -5,9 +5,9 @@ from __future__ import annotations
 from meshmark.authentication.examination import Examination, examine
 from meshmark.coding.keys import Key
 from meshmark.errors import CapacityError
+from meshmark.marking.embedding_result import Embedding
 from meshmark.mesh import Mesh
 from meshmark.ownership.extraction import extract
-from meshmark.ownership.results import Embedding
 
 __all__ = ["authentic", "verify"]
 

@@ -8,15 +8,15 @@ from time import perf_counter
 
 import numpy as np
 
-from meshmark.certificate.binding import refuse_edited, stranger
+from meshmark.certificate.binding import mismatch, refuse_edited
 from meshmark.certificate.certificate import Certificate
 from meshmark.coding.chance import believable
 from meshmark.coding.codec import CHECK_WORD_LIMIT, Codec, Decoded
 from meshmark.coding.keys import Key
 from meshmark.errors import InputError
 from meshmark.mesh import Mesh
+from meshmark.ownership.extraction_result import Evidence, Extraction
 from meshmark.ownership.parameters import CREDIBLE_LOG10, PRESENT_LOG10, PROVEN_LOG10
-from meshmark.ownership.results import Evidence, Extraction
 from meshmark.ownership.search.measurement import Reading
 from meshmark.ownership.search.search import EFFORTS, Search
 from meshmark.ownership.search.strategies import STRATEGIES
@@ -96,7 +96,7 @@ def extract(
         )
     )
     result = extraction_of(found, Codec(key), MODES[type(reference)], perf_counter() - start)
-    remark = stranger(reference, key, result.id) if isinstance(reference, Certificate) else None
+    remark = mismatch(reference, key, result.id) if isinstance(reference, Certificate) else None
     return result if remark is None else replace(result, advice=f"{result.advice} {remark}")
 
 

@@ -16,7 +16,7 @@ from meshmark.coding.polar import Bits
 from meshmark.geometry.areas import vertex_areas
 from meshmark.geometry.frame import Frame
 from meshmark.geometry.sampling import plan_samples
-from meshmark.geometry.weld import Welded
+from meshmark.geometry.surface import Surface
 from meshmark.mesh import FloatArray
 from meshmark.ownership.bumps import FRAME_ROWS, Bumps, frame_values, symmetric
 from meshmark.ownership.carriers.cells import Cells, measure_cells
@@ -47,7 +47,7 @@ class Shaping:
     capacity: how many cells an extraction of the unmarked surface would read; cheap, where `carriers` is not.
     """
 
-    def __init__(self, surface: Welded, frame: Frame, key: Key, spacing: float, bits: Bits) -> None:
+    def __init__(self, surface: Surface, frame: Frame, key: Key, spacing: float, bits: Bits) -> None:
         self._surface, self._frame, self._bits, self.spacing = surface, frame, bits, spacing
         self._lattice = Lattice.keyed(key, spacing)
         self._placed = self._lattice.coordinates(frame.to_canonical(surface.points))

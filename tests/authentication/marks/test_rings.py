@@ -50,14 +50,14 @@ def test_the_rim_of_an_open_surface_is_told() -> None:
     rings = ordered_rings(HEXAGON, 7)
     inner = next(group for group in rings if 0 in group.vertex)
     assert not inner.open.any()
-    assert inner.rim.all()
+    assert inner.boundary.all()
     assert sorted(inner.around[0]) == [1, 2, 3, 4, 5, 6]
     outer = next(group for group in rings if 1 in group.vertex)
     assert outer.open.all()
     assert outer.around.shape == (6, 3)
     row = int(np.flatnonzero(outer.vertex == 1)[0])
     assert outer.around[row].tolist() == [2, 0, 6]
-    assert outer.rim[row].tolist() == [True, False, True]
+    assert outer.boundary[row].tolist() == [True, False, True]
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,6 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial.transform import Rotation
 
-from meshmark.geometry.adjacency import unique_edges
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["Evidence", "Scale", "in_place"]
@@ -54,19 +53,39 @@ class Scale:
 
 
 def in_place(
-    faces: IntArray,
+    edges: IntArray,
     passed: NDArray[np.bool_],
     pairs: IntArray,
     failing: NDArray[np.bool_],
     evidence: Evidence,
+    *,
     lucky: int = 0,
 ) -> tuple[NDArray[np.bool_], Scale]:
-    """Return which of the marks that hold, `passed` (p,), to believe, and the scale that they tell.
+    """Return which of the marks that hold to believe, and the scale of the model according to them.
 
-    pairs: (n, 2) each mark that holds and a point of its ring. failing: (p,) points that no mark vouches for,
-    though one should. Marks that share points of their rings are one part. The largest part is believed;
-    another one where most of its own evidence agrees with the largest part's, or, without any, where it touches
-    nothing that fails: a shell of its own. lucky: so much evidence against a part may hold by chance.
+    Marks that share points of their rings are one part. The largest part is believed; another one where most of its
+    own evidence agrees with the largest part's, or, without any, where it touches nothing that fails: a connected
+    component of its own.
+
+    Parameters
+    ----------
+    edges : (e, 2) int array
+        Of the surface.
+    passed : (p,) bool array
+        The marks that hold.
+    pairs : (n, 2) int array
+        Each mark that holds and a point of its ring.
+    failing : (p,) bool array
+        Points that no mark vouches for, though one should.
+    evidence : Evidence
+        Where marks say that they lie.
+    lucky : int
+        Number of marks of a part that may hold by chance although they lie elsewhere.
+
+    Returns
+    -------
+    believed : (p,) bool array
+    scale : Scale
     """
     part = _parts(pairs, len(passed))
     count = int(part.max(initial=-1)) + 1
@@ -75,7 +94,6 @@ def in_place(
     main = int(np.bincount(part[passed], minlength=count).argmax())
     agrees, disputes, scale = _votes(part, main, evidence, count)
     touched = np.zeros(count, bool)
-    edges = unique_edges(faces)
     for start, end in (edges.T, edges[:, ::-1].T):
         touched[part[start[failing[end] & ~failing[start]]]] = True
     touched[part[failing]] = True
@@ -85,7 +103,7 @@ def in_place(
 
 
 def _least(agrees: IntArray, touched: NDArray[np.bool_]) -> IntArray:
-    """Return (parts,) how many marks must agree: two next to something that fails, none for a shell of its own."""
+    """Return (parts,) how many marks must agree: two next to something that fails, else none."""
     return np.where(touched, np.full_like(agrees, 2), 0)
 
 

@@ -41,7 +41,7 @@ def rounded_everywhere(mesh: Mesh, found: Examination) -> Rounded | None:
     It does where it is coarser than what the marks were made for. An edit is no less told by this: it lies off the
     grid, or far more fails around it than elsewhere.
     """
-    if not found.marked or found.checks.torn.any() or found.points_missing:
+    if not found.marked or found.checks.new_boundary.any() or found.points_missing:
         return None
     coarse = coarse_digits(mesh.vertices)
     if coarse is None or coarse.half <= found.checks.step / UNIT:

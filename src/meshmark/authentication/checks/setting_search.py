@@ -120,7 +120,7 @@ def _best(
     off = np.abs(found.place - found.whole).max(axis=1)
     best: Setting | None = None
     for layout in LAYOUTS.values():
-        _, holds = symbols_at(found.whole, found.rim, bound, layout)
+        _, holds = symbols_at(found.whole, found.boundary, bound, layout)
         held = order[holds[order]]
         inside = held[slice(*_densest(size[held])[:2])]
         held = held[off[held] <= window_of(off[inside])]

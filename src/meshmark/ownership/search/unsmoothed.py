@@ -15,12 +15,11 @@ from typing import Final
 
 import numpy as np
 
-from meshmark.geometry.adjacency import unique_edges
 from meshmark.geometry.areas import face_areas
 from meshmark.geometry.frame import Frame, frame_alternatives
 from meshmark.geometry.sampling import plan_samples
 from meshmark.geometry.scale_space import random_walk, spectral_filters
-from meshmark.geometry.weld import Welded
+from meshmark.geometry.surface import Surface
 from meshmark.mesh import FloatArray
 from meshmark.ownership.carriers.pose import Pose
 from meshmark.ownership.carriers.quantisation import lock_score, log10_lock_chance
@@ -80,7 +79,7 @@ class _Guess:
         return Reading.of(measured, self.step, measured.phase(self.step), hypotheses)
 
 
-def is_coarse(surface: Welded) -> bool:
+def is_coarse(surface: Surface) -> bool:
     """Return whether a mesh is so coarse that its mark may lie in frequencies which restorations filter off."""
     return len(surface.points) <= COARSE
 
@@ -96,9 +95,9 @@ def unsmoothed_readings(search: Search) -> Iterator[Reading]:
                 yield guess.read(search, search.trials.charge() * tried)
 
 
-def _before(surface: Welded) -> Iterator[FloatArray]:
+def _before(surface: Surface) -> Iterator[FloatArray]:
     """Yield the shapes (p, 3) that the suspect may have had before."""
-    walk = random_walk(surface.points, unique_edges(surface.faces))
+    walk = random_walk(surface.points, surface.edges)
     centre = surface.points.mean(axis=0)
     filters = [_inverse(shares, n) for shares, passes in SMOOTHINGS.items() for n in passes]
     area = face_areas(surface.points, surface.faces).sum()
