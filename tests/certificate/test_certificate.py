@@ -87,7 +87,7 @@ def test_what_is_no_certificate_is_refused(name, tmp_path):
 
 CHANGES = {
     "version": (("version",), 4, "its version is 4, expected 3"),
-    "strength": (("strength",), "huge", "'strength' is 'huge', expected one of subtle"),
+    "strength": (("strength",), "huge", "unknown strength 'huge', expected one of subtle"),
     "spacing": (("spacing",), -1.0, "'spacing' is out of range, expected"),
     "step": (("step",), True, "'step' is missing or no number"),
     "vertices": (("vertices",), 1.5, "'vertices' is missing or no whole number"),

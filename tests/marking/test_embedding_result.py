@@ -8,6 +8,7 @@ from dataclasses import FrozenInstanceError, fields
 import pytest
 
 import meshmark as mm
+from meshmark.marking import AuthenticationMark, OwnershipMark
 from meshmark.marking.mark_request import MarkRequest
 from meshmark.mesh import Mesh
 from tests.keys import ID, KEY
@@ -46,7 +47,7 @@ def test_the_answer_has_the_fields_of_the_contract_and_nothing_made_up(result):
 def test_results_are_frozen_and_keyword_only(result):
     with pytest.raises(FrozenInstanceError):
         result.id = 7
-    for kind in (mm.Embedding, mm.OwnershipMark, mm.AuthenticationMark, MarkRequest):
+    for kind in (mm.Embedding, OwnershipMark, AuthenticationMark, MarkRequest):
         assert all(field.kw_only for field in fields(kind))
 
 

@@ -1,1 +1,1 @@
-"""The authentication layer: mark vertices, their checks, payload and verdict (DESIGN section 7)."""
+"""The authentication layer: mark vertices, their checks, payload and verdict (docs/design.md, section 7)."""

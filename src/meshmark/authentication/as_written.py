@@ -41,7 +41,7 @@ FIELD = "written"
 WRONG_LOG10 = -6.0
 """A model that was only rounded is called changed with a probability below 10 to this."""
 ROUNDINGS = 16
-"""So many random roundings of a suspect tell how its lock varies."""
+"""Number of random roundings of a suspect that show how its lock varies."""
 _PURPOSE = "positions as written"
 _BYTES = 16
 

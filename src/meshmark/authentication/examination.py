@@ -28,10 +28,10 @@ from meshmark.scene.surfaces import marked_surface, mirrored, repeated, unfolded
 __all__ = ["DOUBTFUL_LOG10", "MARKED_LOG10", "Examination", "examine"]
 
 MARKED_LOG10 = -9.0
-"""Marks are there where so many hold by chance less often than this."""
+"""Marks are there where the chance of as many without the key is below 10 to this."""
 DOUBTFUL_LOG10 = -4.0
 """Between the two nothing is said."""
-# Area is missing where it is off by more than so many deviations of the scale.
+# Area is missing where it is off by more than this number of deviations of the scale.
 _SURE = 3.0
 
 
@@ -81,9 +81,9 @@ class Examination:
 
 
 def examine(mesh: Mesh, key: Key, reference: Certificate | Mesh | None = None) -> Examination:
-    """Look for the marks of a mesh; where they do not tell the model's id, the ownership layer is asked.
+    """Look for the marks of a mesh; where they do not report the model's id, the ownership layer is read.
 
-    Copies of one mesh that are to be told by their shape are looked for where the model is not intact without, and
+    Copies of one mesh that only their shape shows are looked for where the model is not intact without, and
     believed where the marks say that it had some. reference: helps to find the ownership layer.
     Raises `InputError` where the mesh has no surface, and for a certificate of this key that was edited.
     """
@@ -190,7 +190,7 @@ def _confirmed(surface: Surface, key: Key, identity: int, checks: Checks, packed
 
     A mark that was put at random, or holds by luck, says the symbol that the payload has there once in 2^9 or so.
     In a rounded file one such mark can hide that its neighbour is to be read in another way, or dispute where a
-    shell lies: so nothing is called altered by a check that does not know the payload.
+    component lies: so nothing is called altered by a check that does not know the payload.
     """
     source = ErasureCode(packed, checks.symbol_bits)
     right = source(checks.held_index) == checks.held_value

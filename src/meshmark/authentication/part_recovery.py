@@ -14,7 +14,6 @@ from meshmark.authentication.examination import Examination, examine
 from meshmark.certificate.certificate import Certificate
 from meshmark.coding.keys import Key
 from meshmark.errors import InputError
-from meshmark.geometry.areas import vertex_areas
 from meshmark.geometry.surface import Surface
 from meshmark.io.derived import derived, losses
 from meshmark.io.save import conform
@@ -75,7 +74,7 @@ def recover(mesh: Mesh, key: Key, *, reference: Certificate | Mesh | None = None
     """
     start = perf_counter()
     found = examine(mesh, key, reference)
-    areas = vertex_areas(found.surface.points, found.surface.faces)
+    areas = found.surface.point_areas
     share = float(areas[found.altered].sum() / areas.sum())
     missing = (found.points_missing or 0) > 0
     if found.marked and not found.altered.any() and not missing:

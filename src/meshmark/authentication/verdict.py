@@ -1,4 +1,4 @@
-"""Authentication: is a model as its maker signed it off, and if not, where was it changed (DESIGN section 7)."""
+"""Authentication: is a model as it was signed off, and if not, where was it changed (docs/design.md, section 7)."""
 
 from __future__ import annotations
 

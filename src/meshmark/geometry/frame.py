@@ -1,4 +1,4 @@
-"""Canonical frame of a surface: where it is, how large and how it is turned (DESIGN section 1).
+"""Canonical frame of a surface: where it is, how large and how it is turned (docs/design.md, section 1).
 
 Exact surface moments, so that the frame belongs to the surface and not to its triangulation. Everything the
 ownership layer measures is measured in this frame, which makes it invariant to similarity transforms.

@@ -110,7 +110,9 @@ def _marked(base: Base, request: MarkRequest, planned: Planned) -> Authenticated
     moved = (marked.points != surface.points).any(axis=1)[surface.point_of_vertex]
     vertices = np.where(moved[:, None], marked.points[surface.point_of_vertex], planned.mesh.vertices)
     result = planned.mesh.with_vertices(conform(base.original, vertices))
-    surface_of_moved(result, planned.mesh)  # remembered, so that `examine` welds only what rounding has joined
+    surface_of_moved(
+        result, planned.mesh
+    )  # remembered, so that `examine` welds only what rounding has joined
     if not authentic(found := examine(result, request.key), request.id):
         raise _UnreadError(
             "the marks of authentication cannot be read back from the positions the file can hold"

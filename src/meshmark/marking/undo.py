@@ -43,7 +43,7 @@ STEP = 2.5e-7
 """Step of a displacement's coordinates over the diagonal."""
 VERSION = 2
 DIGEST_BYTES = 16
-# Vertices are told in levels, each from those before it: one in so many, and over how many edges they are averaged.
+# Vertices are coded in levels, each predicted from those before it: (one vertex in N, edges averaged over).
 LEVELS = ((256, 0), (64, 16), (16, 8), (4, 4), (1, 2))
 # A frame this near the certificate's is the same: what is left is rounding.
 SAME = 1e-6
@@ -88,7 +88,7 @@ def with_undo(certificate: Certificate, original: Mesh, marked: Mesh, key: Key) 
 
     Raises `InputError` where the meshes do not have the same faces and number of vertices.
     """
-    once = distinct(marked)  # of copies, what one of them was moved by tells all
+    once = distinct(marked)  # all copies were moved as one
     if once is not None and original.vertices.shape == once.scene.vertices.shape:
         original, marked = Mesh(original.vertices[once.rows], once.mesh.faces), once.mesh
     if original.vertices.shape != marked.vertices.shape or not np.array_equal(original.faces, marked.faces):

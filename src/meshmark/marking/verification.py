@@ -50,6 +50,6 @@ def verify(
 
 
 def authentic(found: Examination, identity: int) -> bool:
-    """Return whether `authenticate` calls a model authentic by its marks, and tells this id."""
+    """Return whether `authenticate` calls a model authentic by its marks, with this id."""
     intact = found.marked and not found.altered.any() and not found.points_missing
     return intact and found.id == identity

@@ -33,7 +33,7 @@ MODES = {type(None): "blind", Certificate: "certificate", Mesh: "original"}
 class Found:
     """The reading that a search ended with, and what it decoded to; None where there was nothing to read.
 
-    present: a mark of this key is there; `decoded` is then its id, or None where the lock alone tells.
+    present: a mark of this key is there; `decoded` is then its id, or None where only the lock shows it.
     log10_false_positive: bound on the chance of this without a mark, over all that was tried.
     stopped: the time ran out before the search was at its end.
     """

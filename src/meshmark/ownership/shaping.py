@@ -66,7 +66,7 @@ class Shaping:
 
     @property
     def bits(self) -> float:
-        """How many bits hard decisions can tell at most: cells that cannot be set are right half of the time."""
+        """The most bits that hard decisions can yield: cells that cannot be set are right half of the time."""
         wrong = 0.5 * (1.0 - self.carriers / max(self.capacity, 1))
         lost = sum(-share * log2(share) for share in (wrong, 1.0 - wrong) if share > 0.0)
         return self.capacity * (1.0 - lost)
@@ -114,7 +114,7 @@ class Shaping:
                 break
             held &= ~far | (np.abs(error) < previous)
             previous = np.abs(error)
-            length = length + self._bumps.settle(drift)
+            length = length + self._bumps.bend(drift)
             if (far & held).any():
                 corrected = np.where(held, error, 0.0) * step
                 length = length + self._bumps.displacement(np.zeros(FRAME_ROWS), corrected)

@@ -76,7 +76,7 @@ def marked_surface(mesh: Mesh) -> Surface:
 def surfaces_to_read(mesh: Mesh, *, cut: bool = False) -> Iterator[Surface]:
     """Yield the surfaces that may carry the mark of a suspect, likeliest first.
 
-    Where its file tells what are copies of one mesh, first without these; where it does not, last without those
+    Where its file says what are copies of one mesh, first without these; where it does not, last without those
     that look like it. Next to each stands the part of it that is shown more than once: what stands around copies
     may be too large for them. cut: see `repeated`.
     """
@@ -128,7 +128,7 @@ def shown(surface: Surface, scene: Distinct) -> Shown:
 
 
 def repeated(mesh: Mesh, *, cut: bool = False) -> Iterator[Copies]:
-    """Yield what may be copies of one mesh in a scene whose file does not tell, by its vertices.
+    """Yield what may be copies of one mesh in a scene whose file does not say so, by its vertices.
 
     cut: also of copies that have lost a piece; this takes long.
     """
@@ -140,7 +140,7 @@ def repeated(mesh: Mesh, *, cut: bool = False) -> Iterator[Copies]:
             point = surface.point_of_vertex
             found = Copies(original=first[found.original[point]], place=found.place[point], maps=found.maps)
         elif len(surface.points) < len(mesh.vertices):
-            # Copies may touch, as the halves of a mirrored model do; their vertices tell them apart.
+            # Copies may touch, as the halves of a mirrored model do; their vertices distinguish them.
             found = find_copies(mesh.vertices, mesh.faces, least, tolerance, edited=edited)
         if found is not None and not any(_same(found, other) for other in seen):
             seen.append(found)

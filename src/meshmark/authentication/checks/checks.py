@@ -1,4 +1,4 @@
-"""Checks: which marks hold, and which points they vouch for, without any reference (DESIGN section 7)."""
+"""Checks: which marks hold, and which points they vouch for, without any reference (docs/design.md, section 7)."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["Checks", "check"]
 
-# A mark of a copy lies where its original does if it is off by so many of the smallest steps at most.
+# A mark of a copy lies where its original does if it is off by at most this number of the smallest steps.
 _COINCIDENT = 8.0
 
 
@@ -40,9 +40,9 @@ class Checks:
 
     eligible: (p,) whose ring could have carried a mark, so that one of their closed ring does in an intact
     model. passed: (p,) whose mark holds. verified: (p,) in the closed ring of a mark that holds. nonce: the
-    model's id, None where the marks do not tell. index, value, vertex: (k,) payload symbols read, and the
-    points that carry them. symbol_bits: of each. step: that of a ring of spread 1, in scene units, as far as the
-    marks tell it, 0 where there are none. log10_chance: bound on the chance that so many marks hold without the
+    model's id, None where the marks do not report one. index, value, vertex: (k,) payload symbols read, and the
+    points that carry them. symbol_bits: of each. step: that of a ring of spread 1, in scene units, as estimated
+    from the marks, 0 where there are none. log10_chance: bound on the chance that as many marks hold without the
     key. new_boundary: (p,) on a boundary now, though a mark next to it says that it was not. scale: of the marked
     model.
     held_index, held_value, held_vertex: (s,) payload symbols of all marks that hold, also of those which the map
@@ -71,8 +71,8 @@ def check(
 ) -> Checks:
     """Try every point's ring for a mark of this key.
 
-    nonce: the model's id; None: the one that the marks themselves tell. payload: its symbols, where they are known;
-    a mark that says another one does not hold.
+    nonce: the model's id; None: the one that the marks report. payload: the expected symbols, where they have been
+    decoded; a mark that says another one does not hold.
     """
     points = surface.points
     rings = rings_of(surface)

@@ -18,11 +18,11 @@ from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["Evidence", "Scale", "in_place"]
 
-# Fewer marks of the largest part that tell their place cannot say where the model lies.
+# Fewer marks of the largest part that carry their place cannot say where the model lies.
 _NEEDED = 12
 # A part may be this far from its place, in steps of the symbol; half a step is rounding.
 _SLACK = 1.0
-# And so many deviations of the fit, which a small part determines badly far away from it.
+# And this number of deviations of the fit, which a small part determines badly far away from it.
 _DOUBTS = 3.0
 
 
@@ -45,7 +45,7 @@ class Evidence:
 class Scale:
     """Of the marked model in the suspect's scene.
 
-    half: of its diagonal, 0 where it is not known; doubt: its relative standard deviation.
+    half: of its diagonal, 0 where it is unknown; doubt: its relative standard deviation.
     """
 
     half: float = 0.0

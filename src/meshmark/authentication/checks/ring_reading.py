@@ -18,7 +18,7 @@ from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["Read", "chance_of", "read_marks", "window_of"]
 
-# A mark may be this many steps from its whole place, and so many times the median of all.
+# A mark may be this number of steps from its whole place, and this number of times the median of all.
 _WINDOW, _WINDOWS = 0.12, 8.0
 # Odd numbers that make three whole places into one.
 _MIX = np.array([0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9, 0x94D049BB133111EB], np.uint64)
@@ -41,10 +41,10 @@ def read_marks(
 ) -> Read:
     """Return which candidates are marks; those of headers alone where the nonce (the model's id) is unknown.
 
-    Marks lie as near to whole places as the file's precision lets them; how near that is, the marks tell. What lies
+    Marks lie as near to whole places as the file's precision lets them; how near that is, the marks show. What lies
     farther off holds by chance, or was moved by less than a step. A mark beside a boundary that would hold if there
     were none is a mark beside a hole that was made.
-    payload: where its symbols are known, a mark that says another one does not hold.
+    payload: the expected symbols, where they have been decoded: a mark that says another one does not hold.
     """
     off = np.abs(found.place - found.whole).max(axis=1)
     symbol = np.zeros(len(off), np.int64)
@@ -85,7 +85,7 @@ def _read(
 
 
 def chance_of(found: Candidates, holds: NDArray[np.bool_], layout: Layout) -> float:
-    """Bound the chance that so many marks hold by luck, times all layouts and levels (Chernoff).
+    """Bound the chance that as many marks hold by luck, times all layouts and levels (Chernoff).
 
     Points that lie alike in rings that are alike count once: their marks hold or fail together. How many are tried
     depends on what holds, so all numbers of tries count.

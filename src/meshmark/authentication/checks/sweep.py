@@ -94,7 +94,9 @@ def sweep(
         first = len(found.vertex)
         found = joined([found, beside(found.take(again[found.vertex]), _NEAR)])
         read = read_marks(found, key, setting.layout, identity, payload)
-        lucky = read.new_boundary & (np.arange(len(found.vertex)) >= first)  # so many tries would make holes
+        lucky = read.new_boundary & (
+            np.arange(len(found.vertex)) >= first
+        )  # this many tries would make holes
         read = replace(read, holds=read.holds & ~lucky, new_boundary=read.new_boundary & ~lucky)
     return Sweep(found=found, read=read, nonce=identity, able=able, rounded=rounded)
 

@@ -49,7 +49,7 @@ __all__ = [
 HEADER, PLACE, PAYLOAD = 0, 1, 2
 """What the symbol of a mark is: a piece of the model's id, the mark's place, or a symbol of the payload."""
 _TINY: Final = 1e-300
-# Of 32 marks so many carry the id, and so many their place.
+# Number of marks in 32 that carry the id, and that carry their place.
 _HEADERS: Final = 3
 _PLACES: Final = 2
 # Lengths such as 1 and 2, which regular rings have, must not lie on a rounding boundary.

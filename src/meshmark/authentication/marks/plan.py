@@ -1,4 +1,4 @@
-"""Marks: which points carry them, and where those points go (DESIGN section 7)."""
+"""Marks: which points carry them, and where those points go (docs/design.md, section 7)."""
 
 from __future__ import annotations
 
@@ -211,7 +211,7 @@ _Parts = list[_Part]
 def _firm(points: FloatArray, parts: _Parts) -> NDArray[np.bool_]:
     """Return (p,): the points that do not lie so far from the middle of a needle ring that its turning moves them.
 
-    What else an error does to a mark's place the ring alone tells (`RingShapes.spread`).
+    What else an error does to a mark's place depends on the ring alone (`RingShapes.spread`).
     """
     firm = np.ones(len(points), bool)
     for group, shape in parts:

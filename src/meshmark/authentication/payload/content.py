@@ -54,7 +54,7 @@ def content_of(payload: Content) -> Asked:
 def content_for(
     asked: Asked, surface: Surface, whole: Whole, symbols: int, symbol_bits: int
 ) -> tuple[bytes, tuple[str, ...]]:
-    """Return the packed payload for so many marks with different symbols, and remarks about it.
+    """Return the packed payload for `symbols` marks with different symbols, and remarks about it.
 
     surface: of a miniature; whole: what is signed off. Raises `CapacityError` where what was asked for does not
     fit; where it is a miniature that nobody asked for, a remark says that it is left out.

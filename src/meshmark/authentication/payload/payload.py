@@ -1,4 +1,4 @@
-"""The payload of the mark vertices: what it is, how much fits, and its symbols (DESIGN section 7)."""
+"""The payload of the mark vertices: what it is, how much fits, and its symbols (docs/design.md, section 7)."""
 
 from __future__ import annotations
 

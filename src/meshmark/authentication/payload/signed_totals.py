@@ -1,6 +1,6 @@
-"""What was signed off as a whole: how many points and how much surface there were, to tell what is missing.
+"""What was signed off as a whole: how many points and how much surface there were, to find what is missing.
 
-Marks tell what was changed where they are. A part of its own that is gone leaves no trace among the others, and one
+Marks show what was changed where they are. A part of its own that is gone leaves no trace among the others, and one
 that was added, of rings too fine for marks, shows none: but then the numbers do not agree.
 """
 
@@ -31,8 +31,8 @@ _FORM, _MORE = struct.Struct("<If"), struct.Struct("<I")
 SIZE = _FORM.size
 """Bytes of a packed `Whole`."""
 COPIES = _MORE.size
-"""And so many more of a model that shows copies."""
-# Points that are nearer to each other than so many errors of a coordinate may become one.
+"""Further bytes for a model that shows copies."""
+# Points that are nearer to each other than this number of errors of a coordinate may become one.
 _APART = 20.0
 
 

@@ -41,8 +41,8 @@ _LARGEST = 30.0
 class RegionEvidence:
     """Of n regions; the rows of two columns are the top (green) and the bottom (blue) half.
 
-    checks, failed: (n, 2) points that could be told, and those of them that are altered. log10_chance: (n, 2) of at
-    least so many failed checks in an intact half. home: (n,) whether an altered part lies mostly in the region.
+    checks, failed: (n, 2) points that could be checked, and those of them that are altered. log10_chance: (n, 2) of
+    at least as many failed checks in an intact half. home: (n,) whether an altered part lies mostly in the region.
     features: (n, 2, 10), see `FEATURES`.
     """
 

@@ -1,4 +1,4 @@
-"""The barycentre statistic of every lattice cell (DESIGN section 4; paper eq. 9-10).
+"""The barycentre statistic of every lattice cell (docs/design.md, section 4; paper eq. 9-10).
 
 For the cell at node c with window w, samples x_f and area vectors a_f, in lattice coordinates (spacing 1):
 

@@ -1,7 +1,7 @@
 """The keyed lattice: which places of canonical space are carriers, and what each one asks of its bit.
 
 A cell is a lattice node with a compact window around it. Everything about a cell comes from its integer
-coordinates and the key, so cells need no order and a lost cell is only an erasure (DESIGN section 4).
+coordinates and the key, so cells need no order and a lost cell is only an erasure (docs/design.md, section 4).
 """
 
 from __future__ import annotations

@@ -53,9 +53,10 @@ SMOOTHINGS: Final[dict[tuple[float, ...], tuple[int, ...]]] = {
 # most 2), but between these shares; nothing is where more is left of all frequencies.
 FAINTEST, FAINT, HIGH = 1e-5, 1e-2, 1.95
 TERMS: Final = 300
-# Where more is undone than was done the surface gets rough. One of so many times the area was never the model.
+# Where more is undone than was done the surface gets rough. One with this number of times the area was never the
+# model.
 ROUGHEST: Final = 6.0
-# So many shapes, spacings and steps are tried at most, and so many turns of each: two, or with axes exchanged all.
+# Most shapes, spacings and steps that are tried, and most turns of each: two, or with axes exchanged all.
 TRIED: Final = sum(map(len, SMOOTHINGS.values())) * len(SPACING_ORDER) * len(LOCK_STEPS)
 TURNS: Final = {False: LOCK_TURNS, True: 24}
 
@@ -107,7 +108,7 @@ def _before(surface: Surface) -> Iterator[FloatArray]:
 
 
 def _inverse(shares: Sequence[float], passes: int) -> Callable[[FloatArray], FloatArray]:
-    """Return the inverse of so many passes; where they leave next to nothing it is held back."""
+    """Return the inverse of `passes` passes; where they leave next to nothing it is held back."""
 
     def left(x: FloatArray) -> FloatArray:
         return np.asarray(np.prod([(1.0 - share * x) ** passes for share in shares], axis=0))
