@@ -29,7 +29,8 @@ from meshmark.authentication.marks.plan import Marked, mark, plan
 from meshmark.authentication.marks.precision import precision_of
 from meshmark.coding.keys import Key
 from meshmark.geometry.adjacency import adjacency, unique_edges
-from meshmark.geometry.weld import Welded, weld
+from meshmark.geometry.surface import Surface
+from meshmark.geometry.weld import weld
 from meshmark.io import read_mesh, write_mesh
 from meshmark.io.save import conform
 from meshmark.mesh import Mesh
@@ -104,13 +105,13 @@ def _marked(mesh: Mesh, nonce: int) -> tuple[Mesh, Marked]:
     return mesh.with_vertices(conform(mesh, done.points[surface.point_of_vertex])), done
 
 
-def _psnr(surface: Welded, done: Marked) -> float:
+def _psnr(surface: Surface, done: Marked) -> float:
     diagonal = np.linalg.norm(np.ptp(surface.points, axis=0))
     rms = np.sqrt(((done.points - surface.points) ** 2).sum(axis=1).mean())
     return float(20.0 * np.log10(diagonal / rms))
 
 
-def _timed(surface: Welded, nonce: int | None) -> tuple[Checks, float]:
+def _timed(surface: Surface, nonce: int | None) -> tuple[Checks, float]:
     start = perf_counter()
     return check(surface, KEY, nonce), perf_counter() - start
 

@@ -8,9 +8,7 @@ from numpy.typing import NDArray
 from meshmark.geometry.surface import Surface
 from meshmark.mesh import FloatArray, IntArray, Mesh
 
-__all__ = ["Welded", "any_coincide", "weld"]
-
-Welded = Surface
+__all__ = ["any_coincide", "weld"]
 
 
 def weld(mesh: Mesh) -> Surface:

@@ -19,7 +19,8 @@ from meshmark.coding.polar import Bits
 from meshmark.errors import CapacityError
 from meshmark.geometry.frame import Frame, canonical_frame
 from meshmark.geometry.sampling import plan_samples
-from meshmark.geometry.weld import Welded, weld
+from meshmark.geometry.surface import Surface
+from meshmark.geometry.weld import weld
 from meshmark.mesh import FloatArray, Mesh
 from meshmark.ownership.carriers.cells import Cells
 from meshmark.ownership.carriers.lattice import CellKeys, Lattice
@@ -138,7 +139,7 @@ def trials(
 class _Shape:
     """A restoration of an attacked model: how far towards its other shapes, and in which pose."""
 
-    def __init__(self, surface: Welded, restoration: Restoration, off: FloatArray) -> None:
+    def __init__(self, surface: Surface, restoration: Restoration, off: FloatArray) -> None:
         self._faces = surface.faces
         first, *others = (shape.points for shape in restoration.shapes)
         self._first, self._ways = first, [other - first for other in others]

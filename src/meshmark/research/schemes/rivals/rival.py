@@ -15,7 +15,7 @@ from meshmark.research.schemes.rivals.alignment import differences
 from meshmark.research.schemes.rivals.codeword import coded, read_code
 from meshmark.research.schemes.rivals.host import Host
 from meshmark.research.schemes.scheme import Bits, Readout
-from meshmark.strengths import BUDGETS
+from meshmark.strengths import BUDGETS, check_strength
 from meshmark.threads import on_one_thread
 
 __all__ = ["Informed", "Rival"]
