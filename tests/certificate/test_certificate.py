@@ -97,7 +97,7 @@ CHANGES = {
     "scale": (("frame", "scale"), 0.0, "'scale' is out of range, expected"),
     "axes": (("frame", "axes"), [[1, 0, 0], [0, 1, 0], [0, 0, -1]], "'axes' is not a rotation"),
     "centre": (("frame", "centre"), [1, 2], "'centre' is missing, or not 3 finite numbers"),
-    "no name": (("strength",), ["subtle"], "'strength' is"),
+    "no name": (("strength",), ["subtle"], "unknown strength"),
     "true": (("version",), True, "its version is True, expected 3"),
     "large": (("faces",), 10**400, "'faces' is out of range"),
     "large scale": (("frame", "scale"), 10**400, "'scale' is out of range"),
