@@ -84,8 +84,24 @@ def examine(mesh: Mesh, key: Key, reference: Certificate | Mesh | None = None) -
     """Look for the marks of a mesh; where they do not report the model's id, the ownership layer is read.
 
     Copies of one mesh that only their shape shows are looked for where the model is not intact without, and
-    believed where the marks say that it had some. reference: helps to find the ownership layer.
-    Raises `InputError` where the mesh has no surface, and for a certificate of this key that was edited.
+    believed where the marks say that it had some.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The suspect.
+    key : Key
+    reference : Certificate or Mesh, optional
+        Helps to find the ownership layer.
+
+    Returns
+    -------
+    Examination
+
+    Raises
+    ------
+    InputError
+        The mesh has no surface, or the certificate of this key was edited.
     """
     if isinstance(reference, Certificate):
         refuse_edited(reference, key)

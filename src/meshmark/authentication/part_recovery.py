@@ -69,8 +69,25 @@ class Recovery:
 def recover(mesh: Mesh, key: Key, *, reference: Certificate | Mesh | None = None) -> Recovery:
     """Return the mesh with altered parts brought back: moved ones return, foreign ones go, holes are filled.
 
-    Everything else stays bit by bit, with its attributes. reference: the certificate or the unmarked original,
-    which helps to find the mark. Raises `InputError` where the mesh has no surface.
+    Everything else stays bit by bit, with its attributes.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The suspect.
+    key : Key
+        That it was marked with.
+    reference : Certificate or Mesh, optional
+        The certificate or the unmarked original, which helps to find the mark.
+
+    Returns
+    -------
+    Recovery
+
+    Raises
+    ------
+    InputError
+        The mesh has no surface, or the certificate of this key was edited.
     """
     start = perf_counter()
     found = examine(mesh, key, reference)

@@ -103,11 +103,28 @@ class Authentication:
 
 @on_one_thread
 def authenticate(mesh: Mesh, key: Key, *, reference: Certificate | Mesh | None = None) -> Authentication:
-    """Return whether `mesh` is as it was when it was marked with `key`, and where it is not.
+    """Return whether a mesh is as it was when it was marked, and where it is not.
 
-    reference: the certificate or the unmarked original; neither is needed, but a model that is altered throughout
-    is still known as the maker's by them. Turning, resizing and moving, another order of vertices or faces, and
-    other formats alter nothing. Raises `InputError` where the mesh has no surface.
+    Turning, resizing and moving, another order of vertices or faces, and other formats alter nothing.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The suspect.
+    key : Key
+        That it was marked with.
+    reference : Certificate or Mesh, optional
+        The certificate or the unmarked original. Neither is needed, but with one of them a model that is altered
+        throughout is still recognised.
+
+    Returns
+    -------
+    Authentication
+
+    Raises
+    ------
+    InputError
+        The mesh has no surface, or the certificate of this key was edited.
     """
     start = perf_counter()
     found = examine(mesh, key, reference)

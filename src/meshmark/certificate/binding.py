@@ -46,7 +46,21 @@ def refuse_edited(certificate: Certificate, key: Key) -> None:
 
 
 def mismatch(certificate: Certificate, key: Key, identity: int | None) -> str | None:
-    """Return a sentence where a certificate is not that of the mark with this id (None: of any of this key)."""
+    """Return why a certificate does not belong to a mark.
+
+    Parameters
+    ----------
+    certificate : Certificate
+    key : Key
+        Of the mark.
+    identity : int or None
+        64-bit id of the mark; None: any mark of this key.
+
+    Returns
+    -------
+    str or None
+        A sentence for the reader, None where the certificate belongs to the mark.
+    """
     value = certificate.more.get(FIELD)
     if not isinstance(value, dict):
         return "The certificate is not bound to any key, as those are that are made with a mark."

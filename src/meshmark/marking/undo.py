@@ -110,7 +110,22 @@ def with_undo(certificate: Certificate, original: Mesh, marked: Mesh, key: Key) 
 def unmark(mesh: Mesh, key: Key, certificate: Certificate) -> Unmarked:
     """Return the mesh without its mark.
 
-    Raises `InputError` where the certificate has no undo data, was changed, or belongs to another key or model.
+    Parameters
+    ----------
+    mesh : Mesh
+        A marked model, in the vertex order that it was marked in.
+    key : Key
+    certificate : Certificate
+        That was made when the model was marked.
+
+    Returns
+    -------
+    Unmarked
+
+    Raises
+    ------
+    InputError
+        The certificate has no undo data, was changed, or belongs to another key or model.
     """
     once = distinct(mesh)
     if once is not None:

@@ -65,17 +65,33 @@ def extract(
     time_limit: float | None = None,
     cut: bool = False,
 ) -> Extraction:
-    """Read the id from `mesh` with `key` alone, or with a reference of the model besides.
+    """Read the id from a mesh with the key alone, or with a reference as well.
 
-    reference: the certificate that was made at embedding, or the unmarked original; the mark is then also read
-    where they say that the suspect lies, which survives crops.
+    Parameters
+    ----------
+    mesh : Mesh
+        The suspect.
+    key : Key
+    reference : Certificate or Mesh, optional
+        The certificate that was made at embedding, or the unmarked original. The mark is then also read where they
+        say that the suspect lies, which survives crops.
+    search : str
+        "plain" reads the surface as it stands, "quick" also undoes common damage, "wide" also exchanges axes that
+        are nearly alike and reads every spacing instead of the first few.
+    time_limit : float, optional
+        Seconds after which the search stops; the answer is "inconclusive" where the mark was not found by then.
+    cut : bool
+        Also look for copies of one mesh that have lost a piece.
 
-    search: "plain" reads the surface as it stands, "quick" also undoes common damage, "wide" also exchanges axes
-    that are nearly alike and reads every spacing instead of the first few.
-    time_limit: seconds after which a search gives up; "inconclusive" where it had not found the mark by then.
-    cut: also look for copies of one mesh that have lost a piece.
-    Raises `InputError` for an unknown search, a time limit not above 0, a certificate of this key that was edited,
-    or where the mesh has no surface.
+    Returns
+    -------
+    Extraction
+
+    Raises
+    ------
+    InputError
+        The search is unknown, the time limit not above 0, the certificate of this key was edited, or the mesh has
+        no surface.
     """
     start = perf_counter()
     if search not in EFFORTS:

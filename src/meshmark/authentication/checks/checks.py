@@ -69,7 +69,7 @@ class Checks:
 def check(
     surface: Surface, key: Key, nonce: int | None = None, payload: SymbolSource | None = None
 ) -> Checks:
-    """Try every point's ring for a mark of this key.
+    """Read every point's ring as a mark of this key.
 
     nonce: the model's id; None: the one that the marks report. payload: the expected symbols, where they have been
     decoded; a mark that says another one does not hold.
