@@ -7,6 +7,9 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
+from meshmark.mesh import Mesh
+from tests.shapes import pebble
+
 SHARED_DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
 
 # How long an example takes depends on what else the machine does.
@@ -43,3 +46,9 @@ def shared_data() -> Path:
     if not SHARED_DATA.is_dir():
         pytest.skip("../shared/data is not on this machine")
     return SHARED_DATA
+
+
+@pytest.fixture(scope="session")
+def model() -> Mesh:
+    """Return a closed shape of 2,522 vertices, for the tests that need no other."""
+    return Mesh(*pebble())

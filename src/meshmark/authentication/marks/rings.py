@@ -62,7 +62,7 @@ def ordered_rings(faces: IntArray, count: int) -> list[Rings]:
     for size in range(SMALLEST, LARGEST + 1):
         vertex = np.flatnonzero(good & (corners + ends == size))
         if len(vertex):
-            around, whole = _walk(first[vertex], following, start, end, ends[vertex] == 1, size)
+            around, whole = _walk(first[vertex], following, start, end, ends[vertex] == 1, size=size)
             vertex, around = vertex[whole], around[whole]
             rings.append(
                 Rings(vertex=vertex, around=around, open=ends[vertex] == 1, boundary=boundary[around])
@@ -93,6 +93,7 @@ def _walk(
     start: IntArray,
     end: IntArray,
     is_open: NDArray[np.bool_],
+    *,
     size: int,
 ) -> tuple[IntArray, NDArray[np.bool_]]:
     """Return the rings (r, size) that begin at corners `first` (r,), and which of them have no other fan."""
