@@ -36,7 +36,7 @@ def marked(name: str, folder: Path) -> Path:
     plain, made = folder / "plain.obj", folder / f"{Path(name).name.split('.')[0]}.obj"
     if not made.exists():
         write_mesh(load(DATA / name), plain)
-        result = embed_file(plain, made, KEY, 7)
+        result = embed_file(plain, made, KEY, id=7)
         print(f"{name}: {result.layers}, marked in {result.seconds:.0f} s")
     return made
 

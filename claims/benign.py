@@ -10,8 +10,8 @@ import numpy as np
 
 from meshmark.attacks import ATTACKS
 from meshmark.io import read_mesh, write_mesh
+from meshmark.marking import Embedding
 from meshmark.mesh import FloatArray, Mesh
-from meshmark.ownership.results import Embedding
 
 __all__ = ["FORMATS", "promised", "written_and_promised"]
 

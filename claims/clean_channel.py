@@ -96,7 +96,7 @@ def run_model(path: Path, strength: str, variants: Sequence[str]) -> dict[str, o
         with tempfile.TemporaryDirectory() as folder:
             plain, marked = Path(folder) / "in.off", Path(folder) / "out.off"
             write_mesh(mesh, plain)
-            result = embed_file(plain, marked, key, identity, strength, "ownership")
+            result = embed_file(plain, marked, key, id=identity, strength=strength, layers="ownership")
             again = read_mesh(marked)
         change = again.vertices - mesh.vertices
         diagonal = np.linalg.norm(np.ptp(mesh.vertices, axis=0))

@@ -24,7 +24,7 @@ from meshmark.errors import MeshmarkError
 from meshmark.mesh import FloatArray
 from meshmark.ownership.carriers.quantisation import log_likelihood_ratio
 from meshmark.ownership.demodulator import demodulate
-from meshmark.ownership.phase_correction import settled_phase
+from meshmark.ownership.phase_correction import corrected_phase
 from meshmark.research.training.demodulator_training import information, raw_errors
 from meshmark.research.training.demodulator_trials import LOST, Marked, Trial, mark, trials
 
@@ -32,7 +32,7 @@ RULES: dict[str, Callable[[Trial], FloatArray]] = {
     "sign": lambda t: np.sign(np.cos(t.phase)),
     "cosine": lambda t: np.cos(t.phase),
     "wrapped normal": lambda t: log_likelihood_ratio(t.phase),
-    "corrected cosine": lambda t: np.cos(settled_phase(t.phase, t.cells, t.step, t.relief)),
+    "corrected cosine": lambda t: np.cos(corrected_phase(t.phase, t.cells, t.step, t.relief)),
     "network": lambda t: demodulate(t.phase, t.cells, t.step, t.relief),
 }
 # Shares of the carriers that are decoded from; dB = 10 log10(share).

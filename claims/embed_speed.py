@@ -57,7 +57,7 @@ def measure(name: str, folder: Path, repeats: int) -> tuple[int, float, float]:
     times = []
     for _ in range(repeats):  # in turn, so that a slow spell of the machine meets all three
         beside = seconds(lambda: by_trimesh(plain))
-        embedding = seconds(lambda: embed_file(plain, marked, KEY, 7, layers="ownership"))
+        embedding = seconds(lambda: embed_file(plain, marked, KEY, id=7, layers="ownership"))
         extraction = seconds(lambda: extract(read_mesh(marked), KEY))
         times.append((beside, embedding, extraction))
     rows = np.array(times)
@@ -82,7 +82,7 @@ def run_step(step: str, folder: str) -> None:
     """Run one step and print this process's peak memory in GB."""
     plain, marked = Path(folder) / "plain.obj", Path(folder) / "marked.obj"
     if step == "embed":
-        embed_file(plain, marked, KEY, 7, layers="ownership")
+        embed_file(plain, marked, KEY, id=7, layers="ownership")
     else:
         extract(read_mesh(marked), KEY)
     print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20)

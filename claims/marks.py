@@ -27,11 +27,12 @@ from meshmark.attacks import ATTACKS
 from meshmark.attacks.attack import Attacked, Given
 from meshmark.authentication.checks.altered_points import altered_points
 from meshmark.authentication.checks.checks import Checks, check
-from meshmark.authentication.marks.plan import Marked, mark
+from meshmark.authentication.marks.plan import Marked, mark, plan
 from meshmark.authentication.marks.precision import precision_of
 from meshmark.coding.keys import Key
 from meshmark.geometry.adjacency import adjacency, unique_edges
-from meshmark.geometry.weld import Welded, weld
+from meshmark.geometry.surface import Surface
+from meshmark.geometry.weld import weld
 from meshmark.io import read_mesh, write_mesh
 from meshmark.io.save import conform
 from meshmark.mesh import Mesh
@@ -102,17 +103,17 @@ def _marked(mesh: Mesh, nonce: int) -> tuple[Mesh, Marked]:
     def symbols(index: NDArray[np.uint32]) -> NDArray[np.uint16]:
         return (index >> np.uint32(28)).astype(np.uint16)
 
-    done = mark(surface, KEY, nonce, symbols, precision_of(mesh))
+    done = mark(plan(surface, KEY, precision_of(mesh)), KEY, nonce, symbols)
     return mesh.with_vertices(conform(mesh, done.points[surface.point_of_vertex])), done
 
 
-def _psnr(surface: Welded, done: Marked) -> float:
+def _psnr(surface: Surface, done: Marked) -> float:
     diagonal = np.linalg.norm(np.ptp(surface.points, axis=0))
     rms = np.sqrt(((done.points - surface.points) ** 2).sum(axis=1).mean())
     return float(20.0 * np.log10(diagonal / rms))
 
 
-def _timed(surface: Welded, nonce: int | None) -> tuple[Checks, float]:
+def _timed(surface: Surface, nonce: int | None) -> tuple[Checks, float]:
     start = perf_counter()
     return check(surface, KEY, nonce), perf_counter() - start
 

@@ -23,7 +23,7 @@ import numpy as np
 
 from claims.models import load, model_paths
 from meshmark.attacks import find_attack, parse_chain
-from meshmark.certificate.certificate import certify
+from meshmark.certificate.certify import certify
 from meshmark.errors import MeshmarkError
 from meshmark.geometry.frame import Frame, canonical_frame
 from meshmark.geometry.weld import weld

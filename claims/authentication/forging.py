@@ -18,7 +18,7 @@ from claims.authentication.replay import Replay
 from claims.authentication.subjects import KEY, Subject
 from claims.authentication.vouching import Vouching
 from meshmark.authentication.checks.checks import check
-from meshmark.authentication.marks.plan import mark
+from meshmark.authentication.marks.plan import mark, plan
 from meshmark.authentication.marks.precision import precision_of
 from meshmark.geometry.weld import weld
 from meshmark.mesh import FloatArray, IntArray
@@ -69,7 +69,8 @@ class Forger:
         self.graph: csr_array = self.vouching.near
         self.marks = self.vouching.held
         self.tree = cKDTree(surface.points)
-        again = mark(surface, _FORGERS_KEY, subject.marked.id, _no_symbols, precision_of(self.mesh))
+        planned = plan(surface, _FORGERS_KEY, precision_of(self.mesh))
+        again = mark(planned, _FORGERS_KEY, subject.marked.id, _no_symbols)
         self.marked_again = again.points
         other = weld(subject.donor())
         here = Replay(surface, surface, self.marks)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshmark.authentication.marks.rings import ordered_rings
-from meshmark.geometry.weld import Welded
+from meshmark.geometry.surface import Surface
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["Replay"]
@@ -19,7 +19,7 @@ class Replay:
     made from is as it was, but for the place.
     """
 
-    def __init__(self, target: Welded, source: Welded, marks: NDArray[np.bool_]) -> None:
+    def __init__(self, target: Surface, source: Surface, marks: NDArray[np.bool_]) -> None:
         self.rings = _by_point(target)
         self.points = source.points
         self.sources: dict[int, list[IntArray]] = {}
@@ -42,12 +42,12 @@ class Replay:
         return True
 
 
-def _by_point(surface: Welded) -> dict[int, IntArray]:
+def _by_point(surface: Surface) -> dict[int, IntArray]:
     """Return the points around each one inside the surface, in order."""
     groups = ordered_rings(surface.faces, len(surface.points))
     inside = np.ones(len(surface.points), bool)
     for group in groups:
-        inside[group.around[group.rim]] = False
+        inside[group.around[group.boundary]] = False
     return {
         int(point): ring
         for group in groups

@@ -12,9 +12,10 @@ import numpy as np
 import meshmark as mm
 from claims.models import load, model_paths
 from claims.recovery import DONOR
-from meshmark.geometry.weld import Welded, weld
+from meshmark.geometry.surface import Surface
+from meshmark.geometry.weld import weld
+from meshmark.marking import Embedding
 from meshmark.mesh import Mesh
-from meshmark.ownership.results import Embedding
 
 __all__ = ["KEY", "Subject", "donor", "subjects"]
 
@@ -42,7 +43,7 @@ class Subject:
         return np.random.default_rng([crc32(self.name.encode()), crc32(purpose.encode())])
 
     @cached_property
-    def surface(self) -> Welded:
+    def surface(self) -> Surface:
         """The model by points."""
         return weld(self.mesh)
 

@@ -118,7 +118,10 @@ class Vouching:
                 continue
             own, shift = group.take(self._row[asked[rows] % count]), asked[rows] // count * count
             rings = Rings(
-                vertex=own.vertex + shift, around=own.around + shift[:, None], open=own.open, rim=own.rim
+                vertex=own.vertex + shift,
+                around=own.around + shift[:, None],
+                open=own.open,
+                boundary=own.boundary,
             )
             found.append(
                 all_candidates(points, rings, ring_shapes(points, rings), self._setting, self._subkey)
@@ -134,8 +137,8 @@ class Vouching:
     def _may_hold(self, ways: Candidates) -> NDArray[np.bool_]:
         layout = self._setting.layout
         bound = bind(ways, self._key, self._nonce)
-        symbol, holds = symbols_at(ways.whole, ways.rim, bound, layout)
-        holds |= symbols_at(ways.whole, np.zeros_like(ways.rim), bound, layout)[1]
+        symbol, holds = symbols_at(ways.whole, ways.boundary, bound, layout)
+        holds |= symbols_at(ways.whole, np.zeros_like(ways.boundary), bound, layout)[1]
         header = ways.kind == HEADER
         holds[header] &= symbol[header] == header_symbols(ways.index[header], self._nonce, layout.symbol)
         return np.asarray(holds & (np.abs(ways.place - ways.whole).max(axis=1) <= self._window))

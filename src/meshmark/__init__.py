@@ -8,7 +8,8 @@
     found = mm.extract(mm.read_mesh("marked.ply"), key)
     check = mm.authenticate(mm.read_mesh("marked.ply"), key)
 
-The names below are the public interface. Each is imported when it is first used.
+`mm.embed_file` goes from file to file and verifies what it has written. The names below are the public interface.
+Each is imported when it is first used.
 """
 
 from __future__ import annotations
@@ -31,9 +32,13 @@ if TYPE_CHECKING:
     from meshmark.marking import (
         Authentication,
         Certificate,
+        Embedding,
+        Extraction,
         Recovery,
+        Unmarked,
         authenticate,
         embed,
+        embed_file,
         extract,
         recover,
         unmark,
@@ -49,6 +54,8 @@ __all__ = [
     "Authentication",
     "CapacityError",
     "Certificate",
+    "Embedding",
+    "Extraction",
     "FormatError",
     "InputError",
     "Key",
@@ -57,10 +64,12 @@ __all__ = [
     "MeshmarkError",
     "OutputError",
     "Recovery",
+    "Unmarked",
     "analyse",
     "authenticate",
     "compare",
     "embed",
+    "embed_file",
     "extract",
     "read_mesh",
     "recover",
@@ -74,9 +83,11 @@ __version__ = "0.1.0"
 _HOME = {
     "ATTACKS": "attacks",
     "METRICS": "metrics",
-    "Authentication": "marking",
+    "Authentication": "authentication.verdict",
     "CapacityError": "errors",
-    "Certificate": "marking",
+    "Certificate": "certificate.certificate",
+    "Embedding": "marking.embedding_result",
+    "Extraction": "ownership.extraction_result",
     "FormatError": "errors",
     "InputError": "errors",
     "Key": "coding.keys",
@@ -84,16 +95,18 @@ _HOME = {
     "Mesh": "mesh",
     "MeshmarkError": "errors",
     "OutputError": "errors",
-    "Recovery": "marking",
+    "Recovery": "authentication.part_recovery",
+    "Unmarked": "marking.undo",
     "analyse": "saliency",
-    "authenticate": "marking",
+    "authenticate": "authentication.verdict",
     "compare": "metrics",
-    "embed": "marking",
-    "extract": "marking",
+    "embed": "marking.embedding",
+    "embed_file": "marking.marked_file",
+    "extract": "ownership.extraction",
     "read_mesh": "io",
-    "recover": "marking",
+    "recover": "authentication.part_recovery",
     "segment": "segmentation",
-    "unmark": "marking",
+    "unmark": "marking.undo",
     "write_mesh": "io",
 }
 

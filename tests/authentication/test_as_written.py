@@ -139,5 +139,5 @@ def test_a_format_that_is_too_coarse_for_the_marks_is_refused(model, tmp_path, m
         files, "read_mesh", lambda path: read(path) if path == source else rounded(read(path), 9)
     )
     with pytest.raises(CapacityError, match=r"the marks of authentication cannot be read back from b\.ply"):
-        files.embed_file(source, out, KEY, ID)
+        files.embed_file(source, out, KEY, id=ID)
     assert not out.exists()

@@ -7,8 +7,9 @@ from typing import Any
 import pytest
 
 from meshmark import authenticate, extract, recover, unmark
-from meshmark.certificate.binding import FIELD, bound, refuse_edited, stranger
-from meshmark.certificate.certificate import Certificate, certify
+from meshmark.certificate.binding import FIELD, bound, mismatch, refuse_edited
+from meshmark.certificate.certificate import Certificate
+from meshmark.certificate.certify import certify
 from meshmark.coding.keys import Key
 from meshmark.errors import InputError
 from meshmark.marking.undo import sealed
@@ -92,21 +93,21 @@ def test_what_reads_with_a_certificate_refuses_an_edited_one(values, tmp_path):
 def test_the_order_and_layout_of_the_file_do_not_matter(values, tmp_path):
     certificate = loaded(dict(reversed(values.items())), tmp_path)
     refuse_edited(certificate, KEY)
-    assert stranger(certificate, KEY, 7) is None
-    assert stranger(certificate, KEY, None) is None
+    assert mismatch(certificate, KEY, 7) is None
+    assert mismatch(certificate, KEY, None) is None
 
 
 def test_another_key_another_id_and_another_binding_are_told_apart(values, tmp_path):
     certificate = loaded(values, tmp_path)
-    assert "another mark" in (stranger(certificate, KEY, 8) or "")
-    assert "another key" in (stranger(certificate, Key(bytes(32)), 7) or "")
+    assert "another mark" in (mismatch(certificate, KEY, 8) or "")
+    assert "another key" in (mismatch(certificate, Key(bytes(32)), 7) or "")
     for field in ("content", "key"):
         other = edited(lambda v, f=field: v[FIELD].update({f: "\ud800é"}), values, tmp_path)
-        assert "another key, or its binding was changed" in (stranger(other, KEY, 7) or "")
+        assert "another key, or its binding was changed" in (mismatch(other, KEY, 7) or "")
     for wrong in ("none", {}, {"content": 1, "key": 2}):
         other = edited(lambda v, w=wrong: v.update({FIELD: w}), values, tmp_path)
         refuse_edited(other, KEY)
-        assert stranger(other, KEY, 7) is not None
+        assert mismatch(other, KEY, 7) is not None
 
 
 def test_a_field_nested_deeper_than_can_be_written_is_refused(values, tmp_path):

@@ -35,7 +35,7 @@ def test_marks_that_contradict_the_payload_are_altered_and_no_others(lies):
     def symbols(asked: NDArray[np.uint32]) -> NDArray[np.uint16]:
         return source(asked) ^ np.isin(asked, liars)
 
-    marked = mesh.with_vertices(mark(surface, KEY, ID, symbols, precision).points[surface.point_of_vertex])
+    marked = mesh.with_vertices(mark(planned, KEY, ID, symbols).points[surface.point_of_vertex])
     checks = check(weld(marked), KEY)
     assert not altered_points(weld(marked), checks).any()  # each of the marks holds
     found = authenticate(marked, KEY)

@@ -7,6 +7,7 @@ import pytest
 
 from meshmark.authentication.checks.in_place import Evidence, in_place
 from meshmark.coding.keyed import rotation
+from meshmark.geometry.adjacency import unique_edges
 
 STEP = 2.0**-9
 PARTS, EACH = 30, 13
@@ -31,8 +32,8 @@ def believed(found: Evidence) -> np.ndarray:
     count = len(found.vertex)
     first = np.arange(count) // EACH * EACH
     pairs = np.stack([np.arange(count), first], axis=1)
-    faces = np.stack([np.arange(count), first, first], axis=1)
-    return in_place(faces, np.ones(count, bool), pairs, np.zeros(count, bool), found)[0]
+    edges = unique_edges(np.stack([np.arange(count), first, first], axis=1))
+    return in_place(edges, np.ones(count, bool), pairs, np.zeros(count, bool), found)[0]
 
 
 @pytest.mark.parametrize("seed", range(30))

@@ -37,7 +37,7 @@ def _make(nonce: int = ID, across: int = 80) -> tuple[Mesh, Mesh, Marked]:
     points = points * 10.0
     points.setflags(write=False)
     mesh = Mesh(points, faces)
-    done = mark(weld(mesh), KEY, nonce, _symbols, precision_of(mesh))
+    done = mark(plan(weld(mesh), KEY, precision_of(mesh)), KEY, nonce, _symbols)
     return mesh, Mesh(done.points, faces), done
 
 
@@ -203,9 +203,9 @@ def test_what_cannot_be_marked_is_refused() -> None:
     with pytest.raises(InputError, match="precision"):
         plan(surface, KEY, 0.0)
     with pytest.raises(InputError, match="64 bits"):
-        mark(surface, KEY, 1 << 64, _symbols, 1e-6)
+        mark(plan(surface, KEY, 1e-6), KEY, 1 << 64, _symbols)
     with pytest.raises(InputError, match="payload symbol"):
-        mark(surface, KEY, 0, lambda index: np.full(len(index), 65535, np.uint16), 1e-6)
+        mark(plan(surface, KEY, 1e-6), KEY, 0, lambda index: np.full(len(index), 65535, np.uint16))
     with pytest.raises(CapacityError, match="precision"):
         plan(surface, KEY, 1.0)
     with pytest.raises(CapacityError, match="room"):
@@ -220,7 +220,7 @@ def test_words_have_as_many_bits_as_most_rings_have_room_for() -> None:
     chosen = plan(surface, KEY, precision)
     assert chosen.covered > 0.95
     assert len(chosen.marks) > 0.25 * len(mesh.vertices)
-    done = mark(surface, KEY, ID, _symbols, precision)
+    done = mark(chosen, KEY, ID, _symbols)
     marked = Mesh(done.points.astype(np.float32).astype(np.float64), mesh.faces)
     found = _check(marked)
     assert found.nonce == ID

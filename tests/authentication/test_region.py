@@ -20,6 +20,7 @@ from meshmark.authentication.regions.region_evidence import (
     region_evidence,
 )
 from meshmark.errors import InputError
+from meshmark.geometry.adjacency import adjacency, unique_edges
 from meshmark.research.training import region_training
 from meshmark.research.training.region_training import area_under_curve, train_classifier
 from meshmark.research.training.region_trials import RegionTrial
@@ -53,7 +54,7 @@ def checks_with(altered):
     given = {
         "eligible": yes, "passed": passed, "verified": ~altered, "nonce": 1, "index": empty.astype(np.uint32),
         "value": empty.astype(np.uint16), "vertex": empty, "symbol_bits": 8, "step": 1e-3, "log10_chance": -99.0,
-        "torn": ~yes,
+        "new_boundary": ~yes,
     }  # fmt: skip
     names = Checks.__dataclass_fields__
     return Checks(**{name: given.get(name, ~yes) for name in names})
@@ -61,7 +62,8 @@ def checks_with(altered):
 
 def judged(altered):
     faces, regions, _, _ = sheet()
-    evidence = region_evidence(faces, regions, checks_with(altered), altered)
+    graph = adjacency(unique_edges(faces), len(altered))
+    evidence = region_evidence(graph, regions, checks_with(altered), altered)
     return evidence, judge_regions(evidence, np.arange(12.0).reshape(4, 3))
 
 
@@ -96,7 +98,7 @@ def test_even_one_point_makes_one_region_altered():
 def test_parts_are_those_that_hang_together():
     faces, _, x, y = sheet()
     altered = ((x < 3) & (y < 3)) | ((x > 30) & (y > 30))
-    part = connected_parts(faces, altered)
+    part = connected_parts(adjacency(unique_edges(faces), len(altered)), altered)
     assert (part[~altered] == -1).all()
     assert len(np.unique(part[altered])) == 2
     assert len(np.unique(part[(x < 3) & (y < 3)])) == 1

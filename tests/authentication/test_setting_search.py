@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from meshmark.authentication.checks.setting_search import _densest, likeliest_setting
-from meshmark.authentication.marks.plan import mark
+from meshmark.authentication.marks.plan import mark, plan
 from meshmark.authentication.marks.ring_shapes import ring_shapes
 from meshmark.authentication.marks.rings import ordered_rings
 from meshmark.authentication.parameters import FAR_AWAY
@@ -52,7 +52,8 @@ def test_a_step_at_the_edge_of_the_likely_ones_is_found_among_all(times: float) 
     points, faces = pebble(72)
     surface = weld(Mesh(points, faces))
     error = times * FAR_AWAY * float(np.linalg.norm(np.ptp(points, axis=0)))
-    done = mark(surface, KEY, ID, lambda index: (index & np.uint32(15)).astype(np.uint16), error)
+    planned = plan(surface, KEY, error)
+    done = mark(planned, KEY, ID, lambda index: (index & np.uint32(15)).astype(np.uint16))
     rings = ordered_rings(faces, len(points))
     rounded = done.points + error * np.random.default_rng(1).uniform(-1.0, 1.0, points.shape)
     shapes = [ring_shapes(rounded, group) for group in rings]

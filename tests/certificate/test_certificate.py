@@ -5,7 +5,8 @@ import json
 import numpy as np
 import pytest
 
-from meshmark.certificate.certificate import Certificate, certify
+from meshmark.certificate.certificate import Certificate
+from meshmark.certificate.certify import certify
 from meshmark.errors import InputError, OutputError
 from meshmark.mesh import Mesh
 from tests.geometry.registering import lump
@@ -86,7 +87,7 @@ def test_what_is_no_certificate_is_refused(name, tmp_path):
 
 CHANGES = {
     "version": (("version",), 4, "its version is 4, expected 3"),
-    "strength": (("strength",), "huge", "'strength' is 'huge', expected one of subtle"),
+    "strength": (("strength",), "huge", "unknown strength 'huge', expected one of subtle"),
     "spacing": (("spacing",), -1.0, "'spacing' is out of range, expected"),
     "step": (("step",), True, "'step' is missing or no number"),
     "vertices": (("vertices",), 1.5, "'vertices' is missing or no whole number"),
@@ -96,7 +97,7 @@ CHANGES = {
     "scale": (("frame", "scale"), 0.0, "'scale' is out of range, expected"),
     "axes": (("frame", "axes"), [[1, 0, 0], [0, 1, 0], [0, 0, -1]], "'axes' is not a rotation"),
     "centre": (("frame", "centre"), [1, 2], "'centre' is missing, or not 3 finite numbers"),
-    "no name": (("strength",), ["subtle"], "'strength' is"),
+    "no name": (("strength",), ["subtle"], "unknown strength"),
     "true": (("version",), True, "its version is True, expected 3"),
     "large": (("faces",), 10**400, "'faces' is out of range"),
     "large scale": (("frame", "scale"), 10**400, "'scale' is out of range"),

@@ -22,7 +22,7 @@ def both(model):
 
 
 def test_both_layers_are_there_by_default_and_both_are_read(model, both):
-    assert (both.layers, both.verified, both.id) == ("both", True, ID)
+    assert (both.layers, both.id) == ("both", ID)
     assert both.carriers > 0
     assert both.mark_vertices > 0.15 * len(model.vertices)
     assert extract(both.mesh, KEY).id == ID

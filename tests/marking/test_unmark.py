@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from meshmark.certificate.binding import bound
-from meshmark.certificate.certificate import Certificate, certify
+from meshmark.certificate.certificate import Certificate
+from meshmark.certificate.certify import certify
 from meshmark.coding.keys import Key
 from meshmark.errors import InputError
 from meshmark.geometry.areas import vertex_normals

@@ -6,7 +6,7 @@ import numpy as np
 
 from meshmark.ownership.carriers.cells import Cells
 from meshmark.ownership.carriers.relief import Relief
-from meshmark.ownership.phase_correction import settled, settled_phase, shifts
+from meshmark.ownership.phase_correction import best_correction, corrected_phase, shifts
 from tests.counting import some
 
 STEP = 0.12
@@ -33,7 +33,7 @@ def test_a_planted_error_is_taken_off():
     bits = rng.integers(0, 2, 220)
     shared = relief.bending @ [0.6, -0.3] + shifts(cells) @ (1e-3 * rng.normal(size=7))
     phase = np.pi * bits + 2.0 * np.pi / STEP * shared + 0.3 * rng.normal(size=220)
-    after = settled_phase(phase, cells, STEP, relief)
+    after = corrected_phase(phase, cells, STEP, relief)
     wrong = [float(np.mean((np.cos(values) < 0.0) != (bits == 1))) for values in (phase, after)]
     assert wrong[0] > 0.03
     assert wrong[1] < 0.3 * wrong[0]
@@ -45,15 +45,15 @@ def test_the_bits_change_nothing_but_turns_by_pi():
     cells, relief = patches()
     phase = rng.uniform(-np.pi, np.pi, 220)
     turns = np.pi * rng.integers(-3, 4, 220)
-    one = settled_phase(phase, cells, STEP, relief)
-    other = settled_phase(phase + turns, cells, STEP, relief)
+    one = corrected_phase(phase, cells, STEP, relief)
+    other = corrected_phase(phase + turns, cells, STEP, relief)
     np.testing.assert_allclose(other, one + turns, atol=1e-9)
 
 
 def test_exact_phases_stay():
     cells, relief = patches()
     phase = np.pi * np.random.default_rng(3).integers(0, 2, 220).astype(float)
-    np.testing.assert_allclose(settled_phase(phase, cells, STEP, relief), phase, atol=1e-9)
+    np.testing.assert_allclose(corrected_phase(phase, cells, STEP, relief), phase, atol=1e-9)
 
 
 def test_the_correction_is_a_maximum():
@@ -64,7 +64,7 @@ def test_the_correction_is_a_maximum():
     def value(y):
         return np.cos(psi + response @ y).sum() - 0.5 * np.sum((y / expected) ** 2)
 
-    best = settled(psi, response, expected)
+    best = best_correction(psi, response, expected)
     for change in some((*np.eye(4), *-np.eye(4))):
         assert value(best) >= value(best + 1e-3 * change)
     np.testing.assert_allclose(best, [0.3, -0.2, 0.1, 0.4], atol=0.1)
@@ -73,4 +73,4 @@ def test_the_correction_is_a_maximum():
 def test_no_cells_give_no_phases():
     cells, relief = patches()
     none = np.zeros(0, dtype=np.int64)
-    assert settled_phase(np.zeros(0), cells.take(none), STEP, relief.take(none)).shape == (0,)
+    assert corrected_phase(np.zeros(0), cells.take(none), STEP, relief.take(none)).shape == (0,)

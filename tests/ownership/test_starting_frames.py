@@ -5,7 +5,7 @@ import pytest
 
 from claims.models import load
 from meshmark.attacks import find_attack, parse_chain
-from meshmark.certificate.certificate import certify
+from meshmark.certificate.certify import certify
 from meshmark.geometry.frame import canonical_frame
 from meshmark.geometry.weld import weld
 from meshmark.mesh import Mesh

@@ -8,7 +8,8 @@ from meshmark.attacks import ATTACKS, Given
 from meshmark.attacks.attack import Attacked
 from meshmark.errors import InputError
 from meshmark.geometry.closest_point import SurfaceIndex
-from meshmark.geometry.weld import Welded, weld
+from meshmark.geometry.surface import Surface
+from meshmark.geometry.weld import weld
 from meshmark.mesh import Mesh
 from meshmark.recovery.miniature import miniature
 from meshmark.recovery.repair import Recovered, recover
@@ -39,7 +40,7 @@ def error(model: Mesh, points: np.ndarray, faces: np.ndarray) -> float:
     return float(np.sqrt(max(np.mean(there**2), np.mean(back**2))) / size)
 
 
-def recovered(attacked: Attacked, content: bytes) -> tuple[Welded, np.ndarray, Recovered]:
+def recovered(attacked: Attacked, content: bytes) -> tuple[Surface, np.ndarray, Recovered]:
     suspect = weld(attacked.mesh)
     altered = np.zeros(len(suspect.points), bool)
     altered[suspect.point_of_vertex[attacked.altered]] = True

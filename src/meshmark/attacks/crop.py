@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from meshmark.attacks.attack import Attacked, Given
 from meshmark.errors import InputError
-from meshmark.geometry.weld import Welded, weld
+from meshmark.geometry.surface import Surface
+from meshmark.geometry.weld import weld
 from meshmark.mesh import FloatArray, Mesh
 
 __all__ = ["crop", "without"]
@@ -39,7 +40,7 @@ def without(mesh: Mesh, gone: NDArray[np.bool_]) -> Attacked:
     return Attacked(mesh=Mesh(mesh.vertices[~gone], number[faces]), origin=np.flatnonzero(~gone))
 
 
-def _farthest(welded: Welded, height: FloatArray, share: float) -> NDArray[np.bool_]:
+def _farthest(welded: Surface, height: FloatArray, share: float) -> NDArray[np.bool_]:
     """Return (n,): the share of the vertices whose points are highest, whole points and at least one."""
     order = np.argsort(-height, kind="stable")
     count = np.cumsum(np.bincount(welded.point_of_vertex)[order])

@@ -13,7 +13,8 @@ from meshmark.attacks.attack import Attacked
 from meshmark.errors import InputError
 from meshmark.geometry.adjacency import unique_edges
 from meshmark.geometry.areas import area_vectors, sum_at_points
-from meshmark.geometry.weld import Welded, weld
+from meshmark.geometry.surface import Surface
+from meshmark.geometry.weld import weld
 from meshmark.mesh import FloatArray, IntArray, Mesh
 
 __all__ = ["Patch", "draw_patch", "unit"]
@@ -31,7 +32,7 @@ class Patch:
     """
 
     mesh: Mesh
-    welded: Welded
+    welded: Surface
     members: IntArray
     reach: FloatArray
     radius: float
@@ -99,7 +100,7 @@ def unit(rng: np.random.Generator) -> FloatArray:
     return np.asarray(vector / np.linalg.norm(vector))
 
 
-def _distances(welded: Welded, centre: int, used: IntArray, count: int) -> FloatArray:
+def _distances(welded: Surface, centre: int, used: IntArray, count: int) -> FloatArray:
     points = welded.points
     size = float(np.ptp(points[used], axis=0).max())
     edges = unique_edges(welded.faces)
@@ -111,7 +112,7 @@ def _distances(welded: Welded, centre: int, used: IntArray, count: int) -> Float
     return np.asarray(distance)
 
 
-def _normal(welded: Welded, members: IntArray, reach: FloatArray, rng: np.random.Generator) -> FloatArray:
+def _normal(welded: Surface, members: IntArray, reach: FloatArray, rng: np.random.Generator) -> FloatArray:
     """Return the mean normal, the inner points counting more; a random direction where normals cancel."""
     scale = np.abs(welded.points).max()
     sums = sum_at_points(area_vectors(welded.points / scale, welded.faces), welded.faces, len(welded.points))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from meshmark.attacks.attack import Attacked
-from meshmark.geometry.weld import Welded
+from meshmark.geometry.surface import Surface
 from meshmark.mesh import FloatArray, Mesh
 
 __all__ = ["centroid", "mean_radius", "moved", "moved_points"]
@@ -16,7 +16,7 @@ def moved(mesh: Mesh, vertices: FloatArray) -> Attacked:
     return Attacked(mesh=mesh.with_vertices(vertices), origin=np.arange(len(mesh.vertices)))
 
 
-def moved_points(mesh: Mesh, welded: Welded, points: FloatArray) -> Attacked:
+def moved_points(mesh: Mesh, welded: Surface, points: FloatArray) -> Attacked:
     """Return the mesh with the points of its weld at other places, (p, 3)."""
     return moved(mesh, points[welded.point_of_vertex])
 

@@ -18,7 +18,8 @@ from meshmark.geometry.adjacency import mean_squared_edge, unique_edges
 from meshmark.geometry.areas import vertex_normals
 from meshmark.geometry.frame import canonical_frame
 from meshmark.geometry.scale_space import discrete_gaussian, random_walk
-from meshmark.geometry.weld import Welded, weld
+from meshmark.geometry.surface import Surface
+from meshmark.geometry.weld import weld
 from meshmark.mesh import FloatArray, Mesh
 
 __all__ = ["collusion", "copy", "second_mark"]
@@ -70,7 +71,7 @@ def copy(mesh: Mesh, strength: float, _rng: np.random.Generator, given: Given) -
     )
 
 
-def _detail(surface: Welded) -> FloatArray:
+def _detail(surface: Surface) -> FloatArray:
     """Return (p,): how far each point lies outside the smoothed surface, along its normal."""
     points = surface.points
     edges = unique_edges(surface.faces)

@@ -23,7 +23,8 @@ from meshmark.coding.keyed import keyed_words
 from meshmark.coding.keys import Key
 from meshmark.geometry.frame import Frame, canonical_frame, frame_alternatives
 from meshmark.geometry.sampling import plan_samples
-from meshmark.geometry.weld import Welded, weld
+from meshmark.geometry.surface import Surface
+from meshmark.geometry.surface_of import surface_of
 from meshmark.mesh import FloatArray, IntArray, Mesh
 from meshmark.ownership.carriers.lattice import Lattice
 from meshmark.ownership.carriers.nodes import find_nodes
@@ -39,7 +40,7 @@ FIELD = "written"
 WRONG_LOG10 = -6.0
 """A model that was only rounded is called changed with a probability below 10 to this."""
 ROUNDINGS = 16
-"""So many random roundings of a suspect tell how its lock varies."""
+"""Number of random roundings of a suspect that show how its lock varies."""
 _PURPOSE = "positions as written"
 _BYTES = 16
 
@@ -54,7 +55,7 @@ class Since(Enum):
 
 def with_written(certificate: Certificate, marked: Mesh, key: Key) -> Certificate:
     """Return the certificate of an id-only model with what `since_written` needs of the marked mesh."""
-    lock = _Reader(weld(marked), key, certificate).best()
+    lock = _Reader(surface_of(marked), key, certificate).best()
     value = {"positions": _digest(marked, key), "lock": lock.score, "carriers": len(lock.phase)}
     return replace(certificate, more={**certificate.more, FIELD: value})
 
@@ -84,7 +85,7 @@ def _dropped(mesh: Mesh, key: Key, certificate: Certificate, written: float, car
     lock is kept on average; around that the lock of one rounding varies as those of the others do. The limit is
     that of Student's prediction interval for one more observation, the deviation being one cell or more.
     """
-    surface = weld(mesh)
+    surface = surface_of(mesh)
     reader = _Reader(surface, key, certificate)
     now = reader.best()
     random = np.random.default_rng(keyed_words(key.subkey("roundings of a suspect"), 4))
@@ -123,10 +124,10 @@ class _Lock:
 class _Reader:
     """Reads the lattice that a certificate names as a surface stands, without any search but the frame's signs."""
 
-    def __init__(self, surface: Welded, key: Key, certificate: Certificate) -> None:
+    def __init__(self, surface: Surface, key: Key, certificate: Certificate) -> None:
         self._surface, self._step = surface, certificate.step
         self._lattice = Lattice.keyed(key, certificate.spacing)
-        self._frame = canonical_frame(surface.points, surface.faces)
+        self._frame = surface.frame
         canonical = self._frame.to_canonical(surface.points)
         self._sampler = plan_samples(canonical, surface.faces, LONGEST_SAMPLE * certificate.spacing)
 

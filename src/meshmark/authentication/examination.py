@@ -14,26 +14,24 @@ from meshmark.authentication.checks.altered_points import altered_points
 from meshmark.authentication.checks.checks import Checks, check
 from meshmark.authentication.payload.payload import Payload, decode, unpack
 from meshmark.authentication.payload.signed_totals import points_distinct, points_shown, unmarked_parts
-from meshmark.certificate.binding import refuse_edited, stranger
+from meshmark.certificate.binding import mismatch, refuse_edited
 from meshmark.certificate.certificate import Certificate
 from meshmark.coding.erasure.erasure_code import ErasureCode
 from meshmark.coding.keys import Key
-from meshmark.geometry.adjacency import adjacency, unique_edges
-from meshmark.geometry.areas import vertex_areas
 from meshmark.geometry.shown import Shown, times_of
-from meshmark.geometry.weld import Welded
+from meshmark.geometry.surface import Surface
 from meshmark.mesh import Mesh
 from meshmark.ownership.extraction import extract
-from meshmark.ownership.results import Extraction
+from meshmark.ownership.extraction_result import Extraction
 from meshmark.scene.surfaces import marked_surface, mirrored, repeated, unfolded
 
 __all__ = ["DOUBTFUL_LOG10", "MARKED_LOG10", "Examination", "examine"]
 
 MARKED_LOG10 = -9.0
-"""Marks are there where so many hold by chance less often than this."""
+"""Marks are there where the chance of as many without the key is below 10 to this."""
 DOUBTFUL_LOG10 = -4.0
 """Between the two nothing is said."""
-# Area is missing where it is off by more than so many deviations of the scale.
+# Area is missing where it is off by more than this number of deviations of the scale.
 _SURE = 3.0
 
 
@@ -48,7 +46,7 @@ class Examination:
     remark: a sentence where the certificate is not this model's; nothing was taken from it then.
     """
 
-    surface: Welded
+    surface: Surface
     checks: Checks
     id: int | None
     marked: bool
@@ -76,18 +74,34 @@ class Examination:
         scale = self.checks.scale
         if self.payload is None or not self.payload.whole.area or not scale.half:
             return None
-        areas = vertex_areas(self.surface.points, self.surface.faces) * times_of(self.surface)
+        areas = self.surface.point_areas * times_of(self.surface)
         left = float(areas[~unmarked_parts(self.surface, self.checks.verified)].sum())
         share = 1.0 - left / (self.payload.whole.area * scale.half**2)
         return share if share > _SURE * 2.0 * scale.doubt else 0.0
 
 
 def examine(mesh: Mesh, key: Key, reference: Certificate | Mesh | None = None) -> Examination:
-    """Look for the marks of a mesh; where they do not tell the model's id, the ownership layer is asked.
+    """Look for the marks of a mesh; where they do not report the model's id, the ownership layer is read.
 
-    Copies of one mesh that are to be told by their shape are looked for where the model is not intact without, and
-    believed where the marks say that it had some. reference: helps to find the ownership layer.
-    Raises `InputError` where the mesh has no surface, and for a certificate of this key that was edited.
+    Copies of one mesh that only their shape shows are looked for where the model is not intact without, and
+    believed where the marks say that it had some.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The suspect.
+    key : Key
+    reference : Certificate or Mesh, optional
+        Helps to find the ownership layer.
+
+    Returns
+    -------
+    Examination
+
+    Raises
+    ------
+    InputError
+        The mesh has no surface, or the certificate of this key was edited.
     """
     if isinstance(reference, Certificate):
         refuse_edited(reference, key)
@@ -125,7 +139,7 @@ def _less(one: Examination, other: Examination) -> bool:
 
 def _examined(
     mesh: Mesh,
-    surface: Welded,
+    surface: Surface,
     key: Key,
     reference: Certificate | Mesh | None,
     ask: Callable[[], Extraction],
@@ -139,7 +153,7 @@ def _examined(
         if identity is not None:
             checks = check(surface, key, identity)
     certificate = reference if isinstance(reference, Certificate) else None
-    remark = None if certificate is None else stranger(certificate, key, identity)
+    remark = None if certificate is None else mismatch(certificate, key, identity)
     if identity is not None and checks.log10_chance <= MARKED_LOG10:
         packed = _packed(checks)
         if packed is not None:
@@ -180,31 +194,30 @@ def _examined(
 
 def _packed(checks: Checks) -> bytes | None:
     """Return what the believed marks carry, else what all that hold do: scattered ones prove each other so."""
-    for index, value in ((checks.index, checks.value), (checks.stray_index, checks.stray_value)):
+    for index, value in ((checks.index, checks.value), (checks.held_index, checks.held_value)):
         packed = decode(index, value, checks.symbol_bits) if len(index) else None
         if packed is not None:
             return packed
     return None
 
 
-def _confirmed(surface: Welded, key: Key, identity: int, checks: Checks, packed: bytes) -> Checks:
+def _confirmed(surface: Surface, key: Key, identity: int, checks: Checks, packed: bytes) -> Checks:
     """Return the checks anew where a point is altered, or has no other voucher than marks against the payload.
 
     A mark that was put at random, or holds by luck, says the symbol that the payload has there once in 2^9 or so.
     In a rounded file one such mark can hide that its neighbour is to be read in another way, or dispute where a
-    shell lies: so nothing is called altered by a check that does not know the payload.
+    component lies: so nothing is called altered by a check that does not know the payload.
     """
     source = ErasureCode(packed, checks.symbol_bits)
-    right = source(checks.stray_index) == checks.stray_value
+    right = source(checks.held_index) == checks.held_value
     passed = checks.passed.copy()
-    passed[checks.stray_vertex[~right]] = False
-    passed[checks.stray_vertex[right]] = checks.passed[checks.stray_vertex[right]]
+    passed[checks.held_vertex[~right]] = False
+    passed[checks.held_vertex[right]] = checks.passed[checks.held_vertex[right]]
     if altered_points(surface, checks).any():
         return check(surface, key, identity, source)
     if (passed == checks.passed).all():
         return checks
-    graph = adjacency(unique_edges(surface.faces), len(surface.points))
-    vouched = passed | (graph @ passed.astype(np.float64) > 0.0)
+    vouched = passed | (surface.graph @ passed.astype(np.float64) > 0.0)
     if not (checks.eligible & checks.verified & ~vouched).any():
         return checks
     return check(surface, key, identity, source)

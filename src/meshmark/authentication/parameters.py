@@ -61,30 +61,32 @@ LEVELS: Final = range(8, 39)
 REACH: Final = 0.6
 # Largest growth of an error in a ring that may carry a mark (`RingShapes.spread`): beyond are slivers.
 SPREAD: Final = 5.0
-# A mark at the end of its reach moves by at most so much of a step (standard deviation) as errors turn the frame of
-# its ring; half a step is more than four of the deviations that the step is made for, 0.12 each.
+# A mark at the end of its reach moves by at most this share of a step (standard deviation) as errors turn the frame
+# of its ring; half a step is more than four of the deviations that the step is made for, 0.12 each.
 SWAY: Final = 0.05
 # The smallest step, in units of the largest error of a coordinate. Half of it is 4.3 standard deviations of the
-# error of the mark's place, as the spread foretells it; measured on the training models it is 0.7 of that at most,
+# error of the mark's place, as the spread predicts it; measured on the training models it is 0.7 of that at most,
 # so half a step is 5.7 deviations.
 UNIT: Final = 2.0 * 4.3 / sqrt(3.0)
 # The error of 32-bit floats, over the diagonal, when the model lies six diagonals from the origin: scaled down to a
 # seventh and moved away by one diagonal of before.
 FAR_AWAY: Final = 4.5e-7
-# The ring's hash takes its lengths in units of so many steps, but of no more than so many ring sizes, unless so few
-# steps are more: in the rings of a subdivided surface four lengths each are alike, near a boundary all at once.
+# The ring's hash takes its lengths in units of HASH_STEPS steps, but of no more than HASH_STEP ring sizes, unless
+# HASH_LEAST steps are more: in the rings of a subdivided surface four lengths each are alike, near a boundary all
+# at once.
 HASH_STEPS: Final = 32.0
 HASH_STEP: Final = 1.0 / 16.0
 HASH_LEAST: Final = 6.0
-# A length of the ring may be off by so many steps over the ring's spread: the error of two points, not of a ring.
+# A length of the ring may be off by this number of steps over the ring's spread: the error of two points, not of a
+# ring.
 TOLERANCE: Final = 1.0
-# So many lengths of a ring may be near a rounding boundary, and so many neighbours the farthest.
+# Most lengths of a ring that may be near a rounding boundary, and most neighbours that may be the farthest.
 AMBIGUOUS: Final = 3
 ALTERNATIVES: Final = 8
 # PSNR of this layer alone, in dB: bits are given up to reach the one; without the other there is no mark.
 PSNR_WANTED: Final = 80.2
 PSNR_LEAST: Final = 70.0
-# Of the rings that could have a mark of the fewest bits so many must have room for those of more.
+# Share of the rings with room for a mark of the fewest bits that must have room for one of more.
 COVERING: Final = 0.95
 # Fewer marks cannot carry the model's id.
 MARKS_NEEDED: Final = 40

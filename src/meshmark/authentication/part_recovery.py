@@ -14,8 +14,7 @@ from meshmark.authentication.examination import Examination, examine
 from meshmark.certificate.certificate import Certificate
 from meshmark.coding.keys import Key
 from meshmark.errors import InputError
-from meshmark.geometry.areas import vertex_areas
-from meshmark.geometry.weld import Welded
+from meshmark.geometry.surface import Surface
 from meshmark.io.derived import derived, losses
 from meshmark.io.save import conform
 from meshmark.mesh import IntArray, Mesh
@@ -70,12 +69,29 @@ class Recovery:
 def recover(mesh: Mesh, key: Key, *, reference: Certificate | Mesh | None = None) -> Recovery:
     """Return the mesh with altered parts brought back: moved ones return, foreign ones go, holes are filled.
 
-    Everything else stays bit by bit, with its attributes. reference: the certificate or the unmarked original,
-    which helps to find the mark. Raises `InputError` where the mesh has no surface.
+    Everything else stays bit by bit, with its attributes.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The suspect.
+    key : Key
+        That it was marked with.
+    reference : Certificate or Mesh, optional
+        The certificate or the unmarked original, which helps to find the mark.
+
+    Returns
+    -------
+    Recovery
+
+    Raises
+    ------
+    InputError
+        The mesh has no surface, or the certificate of this key was edited.
     """
     start = perf_counter()
     found = examine(mesh, key, reference)
-    areas = vertex_areas(found.surface.points, found.surface.faces)
+    areas = found.surface.point_areas
     share = float(areas[found.altered].sum() / areas.sum())
     missing = (found.points_missing or 0) > 0
     if found.marked and not found.altered.any() and not missing:
@@ -167,13 +183,15 @@ def _why_not(found: Examination) -> str:
 
 
 def _left_open(found: Examination, made: Recovered) -> bool:
-    """Return whether a rim that an edit made is still a border."""
-    torn = np.append(found.checks.torn, False)[made.origin]  # new points, -1, were not torn
+    """Return whether a boundary that an edit made is still a border."""
+    new_boundary = np.append(found.checks.new_boundary, False)[
+        made.origin
+    ]  # new points, -1, were not new_boundary
     ends = border_edges(made.faces)
-    return bool(torn[ends].all(axis=1).any())
+    return bool(new_boundary[ends].all(axis=1).any())
 
 
-def _of_file(mesh: Mesh, surface: Welded, made: Recovered) -> tuple[Mesh, int, int, IntArray]:
+def _of_file(mesh: Mesh, surface: Surface, made: Recovered) -> tuple[Mesh, int, int, IntArray]:
     """Return the recovered mesh with the file's own vertices, how many moved, how many went, and which each was."""
     there = made.origin >= 0
     number = np.full(len(surface.points), -1)
@@ -202,7 +220,7 @@ def _of_file(mesh: Mesh, surface: Welded, made: Recovered) -> tuple[Mesh, int, i
     return whole, int((moved & stays).sum()), int((~stays).sum()), origin
 
 
-def _kept_faces(faces: IntArray, surface: Welded, made: Recovered) -> NDArray[np.bool_]:
+def _kept_faces(faces: IntArray, surface: Surface, made: Recovered) -> NDArray[np.bool_]:
     """Return (m,): the faces of the file that are still there."""
     old = made.origin[made.faces[~made.added]]
     points = surface.point_of_vertex[faces]
@@ -217,7 +235,7 @@ def _triples(faces: IntArray) -> NDArray[np.void]:
     return rows.view([("a", np.int64), ("b", np.int64), ("c", np.int64)]).ravel()
 
 
-def _corners(surface: Welded, made: Recovered, count: int) -> IntArray:
+def _corners(surface: Surface, made: Recovered, count: int) -> IntArray:
     """Return (k, 3): the new faces in vertices of the file; the i-th new point has the number count + i."""
     names = np.empty(len(made.points), np.int64)
     new = made.origin < 0

@@ -7,13 +7,13 @@ from math import log10
 
 from meshmark.authentication.checks.checks import check
 from meshmark.authentication.examination import MARKED_LOG10
-from meshmark.certificate.binding import stranger
+from meshmark.certificate.binding import mismatch
 from meshmark.certificate.certificate import Certificate
 from meshmark.coding.chance import believable
 from meshmark.coding.keys import Key
-from meshmark.geometry.weld import weld
+from meshmark.geometry.surface_of import surface_of
 from meshmark.mesh import Mesh
-from meshmark.ownership.results import Evidence, Extraction
+from meshmark.ownership.extraction_result import Evidence, Extraction
 
 __all__ = ["marks_evidence", "with_marks"]
 
@@ -25,7 +25,7 @@ def marks_evidence(mesh: Mesh, key: Key) -> Evidence | None:
 
     Raises `InputError` where the mesh has no surface.
     """
-    checks = check(weld(mesh), key)
+    checks = check(surface_of(mesh), key)
     if checks.nonce is None or checks.log10_chance > MARKED_LOG10:
         return None
     bound = believable(checks.log10_chance)
@@ -43,7 +43,7 @@ def with_marks(
     marks = None if found.id is not None else marks_evidence(mesh, key)
     if marks is None:
         return found
-    remark = stranger(reference, key, marks.id) if isinstance(reference, Certificate) else None
+    remark = mismatch(reference, key, marks.id) if isinstance(reference, Certificate) else None
     beside = "is too damaged to read" if found.evidence else "was not found"
     return replace(
         found,

@@ -15,10 +15,10 @@ from meshmark.mesh import FloatArray, Mesh
 
 __all__ = ["Rounded", "rounded_everywhere"]
 
-# Groups of so many neighbouring points are looked at; that so many of one fail is this unlikely among all groups. A
-# mark that is lost leaves about so many points without one.
+# Sizes of the groups of neighbouring points that are looked at; the chance, among all groups, below which the
+# failures of one are no rounding; and the number of points that a lost mark leaves without one.
 _GROUPS, _CHANCE, _TOGETHER = (32, 64, 128), 1e-3, 4
-# Where more of the points fail, what else was changed cannot be told.
+# Where more of the points fail, what else was changed cannot be decided.
 _MOST = 0.5
 
 
@@ -26,7 +26,7 @@ _MOST = 0.5
 class Rounded:
     """called: what the model was rounded to. beyond: (n,) vertices that were changed beyond that.
 
-    clear: enough marks hold to tell whether more was changed than lies off the grid.
+    clear: enough marks hold to decide whether more was changed than lies off the grid.
     """
 
     called: str
@@ -37,10 +37,10 @@ class Rounded:
 def rounded_everywhere(mesh: Mesh, found: Examination) -> Rounded | None:
     """Return the rounding of the coordinates that explains why marks fail; None where none does.
 
-    It does where it is coarser than what the marks were made for. An edit is no less told by this: it lies off the
+    It does where it is coarser than what the marks were made for. An edit is found all the same: it lies off the
     grid, or far more fails around it than elsewhere.
     """
-    if not found.marked or found.checks.torn.any() or found.points_missing:
+    if not found.marked or found.checks.new_boundary.any() or found.points_missing:
         return None
     coarse = coarse_digits(mesh.vertices)
     if coarse is None or coarse.half <= found.checks.step / UNIT:

@@ -56,8 +56,8 @@ def of_altered(found: Examination, regions: Sequence[Region], places: Sequence[s
 
     places: of the altered regions; share: altered, of the surface.
     """
-    gone, torn = found.points_missing or 0, bool(found.checks.torn.any())
-    missing = found.area_missing if torn or gone > 0 else None
+    gone, new_boundary = found.points_missing or 0, bool(found.checks.new_boundary.any())
+    missing = found.area_missing if new_boundary or gone > 0 else None
     called = sum(region.verdict == "altered" for region in regions)
     where = ", ".join(places[:3]) + (" and elsewhere" if len(places) > 3 else "")
     text = f"{called} of {len(regions)} regions altered: {where}, "
@@ -66,7 +66,7 @@ def of_altered(found: Examination, regions: Sequence[Region], places: Sequence[s
             f"where {_percent(missing)} of the signed-off surface is missing; {_percent(share)} of what is left "
             "was altered or lies beside a hole."
         )
-    if torn:
+    if new_boundary:
         points = f"; {gone:,} points are missing" if gone > 0 else ""
         return text + f"{_percent(share)} of the surface, beside holes that were made{points}."
     if gone < 0:

@@ -1,4 +1,4 @@
-"""Authentication: is a model as its maker signed it off, and if not, where was it changed (design.md, section 7)."""
+"""Authentication: is a model as it was signed off, and if not, where was it changed (docs/design.md, section 7)."""
 
 from __future__ import annotations
 
@@ -22,7 +22,6 @@ from meshmark.certificate.certificate import Certificate
 from meshmark.coding.chance import believable
 from meshmark.coding.keys import Key
 from meshmark.coding.message import format_id
-from meshmark.geometry.areas import vertex_areas
 from meshmark.mesh import IntArray, Mesh
 from meshmark.ownership.extraction import MODES
 from meshmark.threads import on_one_thread
@@ -104,18 +103,34 @@ class Authentication:
 
 @on_one_thread
 def authenticate(mesh: Mesh, key: Key, *, reference: Certificate | Mesh | None = None) -> Authentication:
-    """Return whether `mesh` is as it was when it was marked with `key`, and where it is not.
+    """Return whether a mesh is as it was when it was marked, and where it is not.
 
-    reference: the certificate or the unmarked original; neither is needed, but a model that is altered throughout
-    is still known as the maker's by them. Turning, resizing and moving, another order of vertices or faces, and
-    other formats alter nothing. Raises `InputError` where the mesh has no surface.
+    Turning, resizing and moving, another order of vertices or faces, and other formats alter nothing.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The suspect.
+    key : Key
+        That it was marked with.
+    reference : Certificate or Mesh, optional
+        The certificate or the unmarked original. Neither is needed, but with one of them a model that is altered
+        throughout is still recognised.
+
+    Returns
+    -------
+    Authentication
+
+    Raises
+    ------
+    InputError
+        The mesh has no surface, or the certificate of this key was edited.
     """
     start = perf_counter()
     found = examine(mesh, key, reference)
     verdict = _verdict(found)
-    points, faces = found.surface.points, found.surface.faces
-    altered = found.altered if verdict == "altered" else np.zeros(len(points), bool)
-    areas = vertex_areas(points, faces)
+    altered = found.altered if verdict == "altered" else np.zeros(len(found.surface.points), bool)
+    areas = found.surface.point_areas
     share = float(areas[altered].sum() / areas.sum())
     draw = partial(region_map, mesh, found, altered)
     if found.marked and altered.any():
@@ -168,7 +183,7 @@ def _certificate(found: Examination, reference: Certificate | Mesh | None) -> st
 
 def _missing(found: Examination) -> float | None:
     """Return the share that is gone: none where no part is, whatever its area measures."""
-    gone = found.checks.torn.any() or (found.points_missing or 0) > 0
+    gone = found.checks.new_boundary.any() or (found.points_missing or 0) > 0
     return found.area_missing if gone or not found.marked else 0.0
 
 

@@ -16,7 +16,7 @@ from meshmark.certificate.certificate import Certificate
 from meshmark.coding.keys import Key
 from meshmark.errors import InputError
 
-__all__ = ["FIELD", "bound", "refuse_edited", "stranger"]
+__all__ = ["FIELD", "bound", "mismatch", "refuse_edited"]
 
 FIELD = "binding"
 """Name of the certificate's field."""
@@ -45,8 +45,22 @@ def refuse_edited(certificate: Certificate, key: Key) -> None:
         raise InputError("the certificate was edited after it was made, expected the file that `embed` wrote")
 
 
-def stranger(certificate: Certificate, key: Key, identity: int | None) -> str | None:
-    """Return a sentence where a certificate is not that of the mark with this id (None: of any of this key)."""
+def mismatch(certificate: Certificate, key: Key, identity: int | None) -> str | None:
+    """Return why a certificate does not belong to a mark.
+
+    Parameters
+    ----------
+    certificate : Certificate
+    key : Key
+        Of the mark.
+    identity : int or None
+        64-bit id of the mark; None: any mark of this key.
+
+    Returns
+    -------
+    str or None
+        A sentence for the reader, None where the certificate belongs to the mark.
+    """
     value = certificate.more.get(FIELD)
     if not isinstance(value, dict):
         return "The certificate is not bound to any key, as those are that are made with a mark."

@@ -21,41 +21,27 @@ can add some.
 
 from __future__ import annotations
 
-import base64
 import json
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from hashlib import blake2b
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 import numpy as np
 
+from meshmark.certificate.certificate_fields import FORMAT, VERSION, OldVersionError, packed, read_fields
 from meshmark.errors import InputError
-from meshmark.geometry.frame import Frame, canonical_frame
-from meshmark.geometry.registration.descriptors import DESCRIPTOR_LENGTH
+from meshmark.geometry.frame import Frame
 from meshmark.geometry.registration.landmarks import Landmarks
-from meshmark.geometry.registration.prepared_surface import PreparedSurface
-from meshmark.geometry.shown import Shown
 from meshmark.io.atomic_write import write_whole
 from meshmark.io.staging import Staging
-from meshmark.mesh import FloatArray, Mesh
-from meshmark.scene.surfaces import marked_surface, only_repeated
-from meshmark.strengths import BUDGETS
 
-__all__ = ["LANDMARKS", "Certificate", "certify"]
+__all__ = ["Certificate"]
 
-LANDMARKS = 400
-FORMAT, VERSION = "meshmark certificate", 3
 # A certificate has below 100 kB, and about 5 bytes of undo data per vertex; what is far larger is not read.
 LONGEST = 200_000_000
-MOST_LANDMARKS = 20_000
-# Larger numbers do not go into 16 bits; only thousands of sheets on top of each other could give them.
-LARGEST = 6e4
-_WIDTHS = {"places": 3, "normals": 3, "masses": 1, "curvatures": 1, "descriptors": DESCRIPTOR_LENGTH}
-_TYPES = {"descriptors": "<f2"}
-_OWN = {"format", "version", "vertices", "faces", "spacing", "step", "strength", "frame", "landmarks"}
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -93,7 +79,7 @@ class Certificate:
                 "area": self.frame.area,
                 "skewness": self.frame.skewness.tolist(),
             },
-            "landmarks": _packed(self.landmarks),
+            "landmarks": packed(self.landmarks),
             **self.more,
         }
 
@@ -132,8 +118,8 @@ class Certificate:
                 f"{name} is not a meshmark certificate: it is longer than {LONGEST} bytes", file=name
             )
         try:
-            return _parse(content)
-        except _OldVersionError as error:
+            return cls(**read_fields(content))
+        except OldVersionError as error:
             raise InputError(f"{name} {error}", file=name) from None
         except InputError as error:
             raise InputError(f"{name} is not a meshmark certificate: {error}", file=name) from None
@@ -166,146 +152,3 @@ class Certificate:
             "bound_to_key": "binding" in self.more,
             "takes_mark_off": "undo" in self.more,
         }
-
-
-class _OldVersionError(InputError):
-    """A certificate of an earlier meshmark."""
-
-
-def certify(
-    mesh: Mesh, spacing: float, step: float, strength: str, *, repeated_only: bool = False
-) -> Certificate:
-    """Return the certificate of a marked mesh; raises `InputError` where it has no surface.
-
-    spacing: of the lattice in canonical units; step: of the quantisation, in spacings. repeated_only: the mark lies
-    in that part of the scene alone which is shown more than once.
-    """
-    welded = marked_surface(mesh)
-    if repeated_only and isinstance(welded, Shown):
-        welded = next(only_repeated(welded), welded)
-    frame = canonical_frame(welded.points, welded.faces)
-    landmarks = PreparedSurface(welded.points, welded.faces, frame).landmarks(LANDMARKS)
-    return Certificate(
-        landmarks=_rounded(landmarks),
-        frame=frame,
-        spacing=float(spacing),
-        step=float(step),
-        strength=strength,
-        vertices=len(mesh.vertices),
-        faces=len(mesh.faces),
-    )
-
-
-def _rounded(landmarks: Landmarks) -> Landmarks:
-    """Return the landmarks as a file holds them, so that a certificate is the same after a round trip."""
-    return _unpacked(_packed(landmarks))
-
-
-def _packed(landmarks: Landmarks) -> dict[str, Any]:
-    values: dict[str, Any] = {"count": len(landmarks), "explains": landmarks.explains}
-    for name in _WIDTHS:
-        array = np.clip(getattr(landmarks, name), -LARGEST, LARGEST).astype(_TYPES.get(name, "<f4"))
-        values[name] = base64.b64encode(array.tobytes()).decode("ascii")
-    return values
-
-
-def _unpacked(values: dict[str, Any]) -> Landmarks:
-    count = _number(values, "count", 0, MOST_LANDMARKS, whole=True)
-    arrays = {name: _array(values, name, int(count), width) for name, width in _WIDTHS.items()}
-    lengths = np.sqrt((arrays["normals"] ** 2).sum(axis=1))
-    if (np.abs(lengths - 1.0) > 1e-3).any():
-        raise InputError("a normal does not have the length 1")
-    if not (arrays["masses"] > 0.0).all():
-        raise InputError("a landmark has no mass")
-    return Landmarks(
-        places=arrays["places"],
-        normals=arrays["normals"],
-        masses=arrays["masses"][:, 0],
-        curvatures=arrays["curvatures"][:, 0],
-        descriptors=arrays["descriptors"],
-        explains=_number(values, "explains", 1e-6, 1.0),
-    )
-
-
-def _array(values: dict[str, Any], name: str, count: int, width: int) -> FloatArray:
-    text = values.get(name)
-    kind = np.dtype(_TYPES.get(name, "<f4"))
-    try:
-        content = base64.b64decode(text if isinstance(text, str) else "-", validate=True)
-    except ValueError:
-        raise InputError(f"'{name}' is not an array in base64") from None
-    if len(content) != count * width * kind.itemsize:
-        raise InputError(f"'{name}' holds {len(content)} bytes, expected {count * width * kind.itemsize}")
-    array = np.frombuffer(content, kind).astype(np.float64).reshape(count, width)
-    if not np.isfinite(array).all():
-        raise InputError(f"'{name}' holds a number that is not finite")
-    return array
-
-
-def _parse(content: bytes) -> Certificate:
-    try:
-        values = json.loads(content.decode("utf-8"), parse_constant=_refuse)
-    except (ValueError, RecursionError):
-        raise InputError("it is not JSON") from None
-    if not isinstance(values, dict) or values.get("format") != FORMAT:
-        raise InputError(f"expected a JSON object with the format '{FORMAT}'")
-    version = values.get("version")
-    if type(version) is int and 0 < version < VERSION:
-        raise _OldVersionError(
-            f"is a certificate of version {version}, expected {VERSION}: older ones are sealed otherwise and no "
-            "longer read; go without it, or mark the original again"
-        )
-    if type(version) is not int or version != VERSION:
-        raise InputError(f"its version is {version!r}, expected {VERSION}")
-    strength = values.get("strength")
-    if not isinstance(strength, str) or strength not in BUDGETS:
-        raise InputError(f"'strength' is {strength!r}, expected one of {', '.join(BUDGETS)}")
-    return Certificate(
-        landmarks=_unpacked(_table(values, "landmarks")),
-        frame=_frame(_table(values, "frame")),
-        spacing=_number(values, "spacing", 1e-6, 1e3),
-        step=_number(values, "step", 1e-6, 1e3),
-        strength=strength,
-        vertices=int(_number(values, "vertices", 0, 1e15, whole=True)),
-        faces=int(_number(values, "faces", 0, 1e15, whole=True)),
-        more={name: value for name, value in values.items() if name not in _OWN},
-    )
-
-
-def _refuse(word: str) -> NoReturn:
-    raise ValueError(word)
-
-
-def _table(values: dict[str, Any], name: str) -> dict[str, Any]:
-    table = values.get(name)
-    if not isinstance(table, dict):
-        raise InputError(f"'{name}' is missing or no object")
-    return table
-
-
-def _number(values: dict[str, Any], name: str, low: float, high: float, whole: bool = False) -> float:
-    value = values.get(name)
-    if type(value) is not int and (whole or type(value) is not float):
-        raise InputError(f"'{name}' is missing or no {'whole ' if whole else ''}number")
-    if not low <= value <= high:  # nor is NaN; whole numbers may be too large for a float
-        raise InputError(f"'{name}' is out of range, expected {low:g} to {high:g}")
-    return float(value)
-
-
-def _frame(values: dict[str, Any]) -> Frame:
-    centre, moments, skewness = (_numbers(values, name, (3,)) for name in ("centre", "moments", "skewness"))
-    axes = _numbers(values, "axes", (3, 3))
-    if np.abs(axes.T @ axes - np.eye(3)).max() > 1e-6 or np.linalg.det(axes) < 0.0:
-        raise InputError("'axes' is not a rotation")
-    scale, area = _number(values, "scale", 1e-100, 1e100), _number(values, "area", 1e-12, 1e12)
-    return Frame(centre=centre, scale=scale, axes=axes, moments=moments, area=area, skewness=skewness)
-
-
-def _numbers(values: dict[str, Any], name: str, shape: tuple[int, ...]) -> FloatArray:
-    try:
-        array = np.array(values.get(name), dtype=np.float64)
-    except (TypeError, ValueError, OverflowError):
-        array = np.zeros(0)
-    if array.shape != shape or not np.isfinite(array).all():
-        raise InputError(f"'{name}' is missing, or not {' by '.join(map(str, shape))} finite numbers")
-    return array

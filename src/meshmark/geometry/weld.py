@@ -2,42 +2,28 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
+from meshmark.geometry.surface import Surface
 from meshmark.mesh import FloatArray, IntArray, Mesh
 
-__all__ = ["Welded", "weld"]
+__all__ = ["any_coincide", "weld"]
 
 
-@dataclass(frozen=True, eq=False)
-class Welded:
-    """A mesh whose exactly coincident vertices are one point.
+def weld(mesh: Mesh) -> Surface:
+    """Join the vertices of a mesh that coincide exactly; texture seams and STL corners close up.
 
-    points:          (p, 3) float64, pairwise different, in the order of their first vertex.
-    faces:           (m', 3) int64 in point indices; faces without three different points are left out.
-    point_of_vertex: (n,) int64, `points[point_of_vertex]` are the vertices (with -0.0 read as 0.0).
-    """
+    `surface_of` does this once for each mesh and remembers the answer.
 
-    points: FloatArray
-    faces: IntArray
-    point_of_vertex: IntArray
+    Parameters
+    ----------
+    mesh : Mesh
 
-    @property
-    def vertex_of_point(self) -> IntArray:
-        """(p,) int64: the first vertex of each point."""
-        first = np.empty(len(self.points), np.int64)
-        backwards = self.point_of_vertex[::-1]
-        first[backwards] = np.arange(len(backwards))[::-1]  # the last assignment stays
-        return first
-
-
-def weld(mesh: Mesh) -> Welded:
-    """Join the vertices of `mesh` that coincide exactly; texture seams and STL corners close up.
-
-    Vertices that no face uses stay as points of their own.
+    Returns
+    -------
+    Surface
+        Vertices that no face uses are points of their own.
     """
     vertices = mesh.vertices + 0.0  # -0.0 + 0.0 is 0.0: equal numbers get equal bits
     order = _order_equal_together(vertices)
@@ -49,7 +35,19 @@ def weld(mesh: Mesh) -> Welded:
     point_of_vertex[order] = np.repeat(rank, np.diff(starts, append=len(order)))
     a, b, c = (corners := point_of_vertex[mesh.faces]).T
     faces = corners[(a != b) & (b != c) & (c != a)]
-    return Welded(vertices[np.sort(first)], faces, point_of_vertex)
+    return Surface(points=vertices[np.sort(first)], faces=faces, point_of_vertex=point_of_vertex)
+
+
+def any_coincide(points: FloatArray) -> bool:
+    """Return whether two of the points may coincide; False is certain, True is wrong about once in 2^64 pairs.
+
+    Parameters
+    ----------
+    points : (p, 3) float array
+        Without negative zeros.
+    """
+    keys = np.sort(_hash_rows(points))
+    return bool((keys[1:] == keys[:-1]).any())
 
 
 def _order_equal_together(vertices: FloatArray) -> IntArray:

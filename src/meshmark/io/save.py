@@ -34,6 +34,17 @@ class WriteReport:
     decompressed: tuple[str, ...] = ()
 
 
+def _check_is_mesh(mesh: object) -> None:
+    if isinstance(mesh, Mesh):
+        return
+    kind = type(mesh).__name__
+    if isinstance(getattr(mesh, "mesh", None), Mesh):
+        raise InputError(
+            f"write_mesh was given an {kind}, expected a mesh: pass its attribute, {kind.lower()}.mesh"
+        )
+    raise InputError(f"write_mesh was given an object of type {kind}, expected a Mesh")
+
+
 def conform(mesh: Mesh, vertices: FloatArray) -> FloatArray:
     """Return the positions that the mesh's file would hold, after its own precision, for these.
 
@@ -97,6 +108,7 @@ def write_mesh(
         A file cannot be written.
     """
     path = Path(path)
+    _check_is_mesh(mesh)
     entry = _format_for(mesh, path, default)
     document = mesh.document
     if recompress:

@@ -11,13 +11,14 @@ import numpy as np
 
 from meshmark.authentication.payload.content import Content
 from meshmark.coding.keys import Key
+from meshmark.geometry.surface_of import surface_of_moved
 from meshmark.io import Staging, check_extension, check_recompression, read_mesh, uncompressed, write_mesh
 from meshmark.io.source import SourceFile
-from meshmark.marking.layers import embed
+from meshmark.marking.embedding import embed
+from meshmark.marking.embedding_result import Embedding
 from meshmark.marking.undo import sealed
 from meshmark.marking.verification import verify
 from meshmark.mesh import Mesh
-from meshmark.ownership.results import Embedding
 
 __all__ = ["embed_file"]
 
@@ -26,22 +27,46 @@ def embed_file(
     model: str | Path | Mesh,
     out: str | Path,
     key: Key,
+    *,
     id: int | None = None,
     strength: str = "standard",
     layers: str | None = None,
     payload: Content = None,
     tolerance: str | None = None,
-    *,
     recompress: bool = False,
     staging: Staging | None = None,
 ) -> Embedding:
-    """Mark the model file `model`, or what was read from one, and write the result to `out`.
+    """Mark a model file and write the result, verified, to another file.
 
-    See `embed` for the arguments. recompress: whether a compressed glTF is written compressed as it was, not
-    uncompressed with a remark. The complete files are written under temporary names and read again, all layers
-    blind; only then do they take their places, or stay with `staging`, which moves them together with others.
-    `seconds` counts all of it. Raises what reading, embedding and writing raise, and `CapacityError` where a layer
-    is not found in the written file (a target format too coarse for the mark); nothing is left behind then.
+    The complete files are written under temporary names and read again, all layers blind; only then do they take
+    their places.
+
+    Parameters
+    ----------
+    model : path or Mesh
+        The model file, or what was read from one.
+    out : path
+        The marked file; its extension says its format.
+    key : Key
+    id, strength, layers, payload, tolerance
+        As in `embed`.
+    recompress : bool
+        Write a compressed glTF compressed as it was, not uncompressed with a remark.
+    staging : Staging, optional
+        Takes the files, to move them into place together with others.
+
+    Returns
+    -------
+    Embedding
+        Its `seconds` count all of it.
+
+    Raises
+    ------
+    InputError, FormatError, OutputError
+        As reading, `embed` and writing raise them.
+    CapacityError
+        As `embed`, and where a layer is not found in the written file (a target format too coarse for the mark);
+        nothing is left behind then.
     """
     start = perf_counter()
     mesh = model if isinstance(model, Mesh) else read_mesh(model)
@@ -54,7 +79,9 @@ def embed_file(
 
     def read_back(written: Path) -> None:
         seen.append(read_mesh(written))
-        if not _same(seen[0], result.mesh):  # `embed` has checked these very positions
+        if _same(seen[0], result.mesh):  # `embed` has checked these very positions
+            surface_of_moved(seen[0], result.mesh)  # the same surface, remembered for the certificate
+        else:
             verify(seen[0], key, result, Path(out).name, compressed=recompress)
 
     report = write_mesh(result.mesh, out, verify=read_back, recompress=recompress, staging=staging)

@@ -12,6 +12,7 @@ import numpy as np
 
 from meshmark.authentication.examination import examine
 from meshmark.coding.keys import Key
+from meshmark.geometry.surface_of import surface_of_moved
 from meshmark.marking.verification import authentic
 from meshmark.mesh import FloatArray, Mesh
 from meshmark.scene.distinct import as_shown
@@ -87,9 +88,11 @@ def broken_by(mesh: Mesh, key: Key, identity: int, bears: Iterable[str], error: 
     """
     for name in bears:
         rounding, called = ROUNDINGS[name]
-        rounded = rounding(mesh.vertices)
-        if name != "turned" and np.abs(rounded - mesh.vertices).max() <= _HARMLESS * error:
+        vertices = rounding(mesh.vertices)
+        if name != "turned" and np.abs(vertices - mesh.vertices).max() <= _HARMLESS * error:
             continue
-        if not authentic(examine(as_shown(mesh.with_vertices(rounded)), key), identity):
+        rounded = mesh.with_vertices(vertices)
+        surface_of_moved(rounded, mesh)  # remembered, so that `examine` need not weld it
+        if not authentic(examine(as_shown(rounded), key), identity):
             return called
     return None

@@ -18,16 +18,18 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from meshmark.authentication.as_written import with_written
-from meshmark.certificate.binding import bound, refuse_edited, stranger
+from meshmark.certificate.binding import bound, mismatch, refuse_edited
 from meshmark.certificate.certificate import Certificate
 from meshmark.certificate.sealing import TAG_BYTES, open_sealed, seal
 from meshmark.coding.keys import Key
 from meshmark.errors import InputError
 from meshmark.geometry.adjacency import adjacency, unique_edges
 from meshmark.geometry.areas import vertex_normals
-from meshmark.geometry.frame import Frame, canonical_frame, frame_alternatives
+from meshmark.geometry.extent import diagonal
+from meshmark.geometry.frame import Frame, frame_alternatives
 from meshmark.geometry.kd_tree import kd_tree
-from meshmark.geometry.weld import Welded, weld
+from meshmark.geometry.surface import Surface
+from meshmark.geometry.surface_of import surface_of
 from meshmark.io.save import conform
 from meshmark.mesh import FloatArray, IntArray, Mesh
 from meshmark.scene.distinct import distinct
@@ -41,7 +43,7 @@ STEP = 2.5e-7
 """Step of a displacement's coordinates over the diagonal."""
 VERSION = 2
 DIGEST_BYTES = 16
-# Vertices are told in levels, each from those before it: one in so many, and over how many edges they are averaged.
+# Vertices are coded in levels, each predicted from those before it: (one vertex in N, edges averaged over).
 LEVELS = ((256, 0), (64, 16), (16, 8), (4, 4), (1, 2))
 # A frame this near the certificate's is the same: what is left is rounding.
 SAME = 1e-6
@@ -86,7 +88,7 @@ def with_undo(certificate: Certificate, original: Mesh, marked: Mesh, key: Key) 
 
     Raises `InputError` where the meshes do not have the same faces and number of vertices.
     """
-    once = distinct(marked)  # of copies, what one of them was moved by tells all
+    once = distinct(marked)  # all copies were moved as one
     if once is not None and original.vertices.shape == once.scene.vertices.shape:
         original, marked = Mesh(original.vertices[once.rows], once.mesh.faces), once.mesh
     if original.vertices.shape != marked.vertices.shape or not np.array_equal(original.faces, marked.faces):
@@ -108,13 +110,28 @@ def with_undo(certificate: Certificate, original: Mesh, marked: Mesh, key: Key) 
 def unmark(mesh: Mesh, key: Key, certificate: Certificate) -> Unmarked:
     """Return the mesh without its mark.
 
-    Raises `InputError` where the certificate has no undo data, was changed, or belongs to another key or model.
+    Parameters
+    ----------
+    mesh : Mesh
+        A marked model, in the vertex order that it was marked in.
+    key : Key
+    certificate : Certificate
+        That was made when the model was marked.
+
+    Returns
+    -------
+    Unmarked
+
+    Raises
+    ------
+    InputError
+        The certificate has no undo data, was changed, or belongs to another key or model.
     """
     once = distinct(mesh)
     if once is not None:
         found = unmark(once.mesh, key, certificate)
         return replace(found, mesh=once.whole(found.mesh.vertices))
-    data, remark = _data(certificate), stranger(certificate, key, None)
+    data, remark = _data(certificate), mismatch(certificate, key, None)
     if remark is not None:
         raise InputError(f"{remark[:1].lower()}{remark[1:].rstrip('.')}")
     refuse_edited(certificate, key)
@@ -156,7 +173,7 @@ def _bound(result: Mesh, vertices: FloatArray, step: float) -> float:
 
 
 def _diagonal(mesh: Mesh) -> float:
-    return float(np.linalg.norm(np.ptp(mesh.vertices[mesh.faces.ravel()], axis=0)))
+    return diagonal(mesh.vertices, mesh.faces)
 
 
 def _digest(array: FloatArray | IntArray) -> bytes:
@@ -168,24 +185,24 @@ def _digest(array: FloatArray | IntArray) -> bytes:
 def _frame(mesh: Mesh, certificate: Certificate) -> Frame:
     """Return the certificate's frame where the mesh lies there, else that of the mesh which landmarks confirm."""
     signed = certificate.frame
-    welded, own = _signed_off(mesh, signed)
+    surface, own = _signed_off(mesh, signed)
     off = np.linalg.norm(own.centre - signed.centre) / signed.scale + abs(own.scale / signed.scale - 1.0)
     if off + np.abs(own.axes - signed.axes).max() < SAME:
         return signed
     landmarks = certificate.landmarks.places
     if not len(landmarks):
         return own
-    tree = kd_tree(welded.points)
+    tree = kd_tree(surface.points)
     frames = list(frame_alternatives(own))
     left = [float(np.mean(tree.query(frame.to_scene(landmarks))[0])) for frame in frames]
     return frames[int(np.argmin(left))]
 
 
-def _signed_off(mesh: Mesh, signed: Frame) -> tuple[Welded, Frame]:
+def _signed_off(mesh: Mesh, signed: Frame) -> tuple[Surface, Frame]:
     """Return the surface whose frame was signed, of a scene perhaps that without its copies; and its own frame."""
     found = []
     for surface in surfaces_to_read(mesh):
-        found.append((surface, canonical_frame(surface.points, surface.faces)))
+        found.append((surface, surface.frame))
         if abs(found[-1][1].area / signed.area - 1.0) < SAME_AREA:
             return found[-1]
     return found[0]
@@ -206,9 +223,9 @@ class _Predictor:
     """Predicts displacements along the normals of the marked surface from those of vertices nearby on the mesh."""
 
     def __init__(self, mesh: Mesh, frame: Frame) -> None:
-        welded = weld(mesh)
-        normals = vertex_normals(frame.to_canonical(welded.points), welded.faces)
-        self.normals = normals[welded.point_of_vertex]
+        surface = surface_of(mesh)
+        normals = vertex_normals(frame.to_canonical(surface.points), surface.faces)
+        self.normals = normals[surface.point_of_vertex]
         self.walk = csr_array(adjacency(unique_edges(mesh.faces), len(mesh.vertices)))
 
     def __call__(self, values: IntArray, known: NDArray[np.bool_], reach: int) -> IntArray:

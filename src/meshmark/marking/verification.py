@@ -5,9 +5,9 @@ from __future__ import annotations
 from meshmark.authentication.examination import Examination, examine
 from meshmark.coding.keys import Key
 from meshmark.errors import CapacityError
+from meshmark.marking.embedding_result import Embedding
 from meshmark.mesh import Mesh
 from meshmark.ownership.extraction import extract
-from meshmark.ownership.results import Embedding
 
 __all__ = ["authentic", "verify"]
 
@@ -50,6 +50,6 @@ def verify(
 
 
 def authentic(found: Examination, identity: int) -> bool:
-    """Return whether `authenticate` calls a model authentic by its marks, and tells this id."""
+    """Return whether `authenticate` calls a model authentic by its marks, with this id."""
     intact = found.marked and not found.altered.any() and not found.points_missing
     return intact and found.id == identity

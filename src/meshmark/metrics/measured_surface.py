@@ -20,7 +20,7 @@ class MeasuredSurface:
     """The welded points (p, 3) and faces of a model, and its closest-point index.
 
     faces: (m, 3) those with three different points; all_faces: with those that collapse;
-    point_of_vertex: (n,) as in `Welded`; low, longest: corner and longest side of the bounding box.
+    point_of_vertex: (n,) as in `Surface`; low, longest: corner and longest side of the bounding box.
     """
 
     def __init__(self, mesh: Mesh) -> None:

@@ -10,7 +10,8 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from meshmark.geometry.areas import face_areas
-from meshmark.geometry.weld import Welded, weld
+from meshmark.geometry.surface import Surface
+from meshmark.geometry.weld import weld
 from meshmark.mesh import IntArray, Mesh
 from meshmark.metrics.displacement import diagonal
 
@@ -67,14 +68,14 @@ def describe(mesh: Mesh) -> Shape:
     )
 
 
-def _edge_uses(welded: Welded) -> IntArray:
+def _edge_uses(welded: Surface) -> IntArray:
     """Return, for each edge, how many triangles use it."""
     ends = np.sort(welded.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
     counts: IntArray = np.unique(ends[:, 0] * len(welded.points) + ends[:, 1], return_counts=True)[1]
     return counts
 
 
-def _count_parts(welded: Welded) -> int:
+def _count_parts(welded: Surface) -> int:
     count, (a, b, c) = len(welded.points), welded.faces.T
     links = coo_array(
         (np.ones(2 * len(a), np.int8), (np.concatenate([a, b]), np.concatenate([b, c]))), shape=(count, count)

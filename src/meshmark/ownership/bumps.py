@@ -138,7 +138,7 @@ class Bumps:
         amounts = self._inverse @ np.concatenate([frame, offsets])
         return np.asarray(self._splines @ (self._heights @ amounts))
 
-    def settle(self, frame: FloatArray) -> FloatArray:
+    def bend(self, frame: FloatArray) -> FloatArray:
         """Return (p,) lengths that change the frame values (9,) so; offsets may follow.
 
         A gentle bend of the whole, where holding every offset as well would push at the few places without cells.

@@ -36,9 +36,9 @@ def carrier_features(phase: FloatArray, cells: Cells, step: float, relief: Relie
     """Return (n, d), in the order of `FEATURES`, from phases (n,) in radians; step in spacings.
 
     own agreement: cos(2 phase), 1 on a quantiser point; lock: its mean; fourfold lock: mean cos(4 phase), which
-    tells few broken cells from much noise; near, far agreement: how much better than the mean the neighbours lie;
-    shear: whether neighbours that face the same way err to the same side; grain: noise expected of the patch's
-    roughness, in steps.
+    distinguishes few broken cells from much noise; near, far agreement: how much better than the mean the
+    neighbours lie; shear: whether neighbours that face the same way err to the same side; grain: noise expected of
+    the patch's roughness, in steps.
     """
     if not len(phase):
         return np.zeros((0, len(FEATURES)))

@@ -1,4 +1,4 @@
-"""The soft demodulator: from the phases of a reading to log-likelihood ratios of the bits (design.md, section 5).
+"""The soft demodulator: from phases of a reading to log-likelihood ratios of bits (docs/design.md, section 5).
 
 LLR = cos(phase) times what the network makes of features that depend on doubled phases only. Without a mark the
 keyed dithers make each phase as likely as the same turned by pi, whatever all others are. That turn changes the
@@ -18,7 +18,7 @@ from meshmark.network.weights import shipped_network
 from meshmark.ownership.carrier_features import FEATURES, carrier_features
 from meshmark.ownership.carriers.cells import Cells
 from meshmark.ownership.carriers.relief import Relief
-from meshmark.ownership.phase_correction import settled_phase
+from meshmark.ownership.phase_correction import corrected_phase
 
 __all__ = ["NETWORK", "demodulate"]
 
@@ -33,9 +33,9 @@ def demodulate(
     step: quantisation step in spacings; relief: of the surface the cells were read off.
     network: the shipped one by default.
     """
-    settled = settled_phase(phase, cells, step, relief)
+    corrected = corrected_phase(phase, cells, step, relief)
     used = _shipped() if network is None else network
-    return np.asarray(np.cos(settled) * used(carrier_features(settled, cells, step, relief)))
+    return np.asarray(np.cos(corrected) * used(carrier_features(corrected, cells, step, relief)))
 
 
 @cache

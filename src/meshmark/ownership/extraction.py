@@ -8,15 +8,15 @@ from time import perf_counter
 
 import numpy as np
 
-from meshmark.certificate.binding import refuse_edited, stranger
+from meshmark.certificate.binding import mismatch, refuse_edited
 from meshmark.certificate.certificate import Certificate
 from meshmark.coding.chance import believable
 from meshmark.coding.codec import CHECK_WORD_LIMIT, Codec, Decoded
 from meshmark.coding.keys import Key
 from meshmark.errors import InputError
 from meshmark.mesh import Mesh
+from meshmark.ownership.extraction_result import Evidence, Extraction
 from meshmark.ownership.parameters import CREDIBLE_LOG10, PRESENT_LOG10, PROVEN_LOG10
-from meshmark.ownership.results import Evidence, Extraction
 from meshmark.ownership.search.measurement import Reading
 from meshmark.ownership.search.search import EFFORTS, Search
 from meshmark.ownership.search.strategies import STRATEGIES
@@ -33,7 +33,7 @@ MODES = {type(None): "blind", Certificate: "certificate", Mesh: "original"}
 class Found:
     """The reading that a search ended with, and what it decoded to; None where there was nothing to read.
 
-    present: a mark of this key is there; `decoded` is then its id, or None where the lock alone tells.
+    present: a mark of this key is there; `decoded` is then its id, or None where only the lock shows it.
     log10_false_positive: bound on the chance of this without a mark, over all that was tried.
     stopped: the time ran out before the search was at its end.
     """
@@ -65,17 +65,33 @@ def extract(
     time_limit: float | None = None,
     cut: bool = False,
 ) -> Extraction:
-    """Read the id from `mesh` with `key` alone, or with a reference of the model besides.
+    """Read the id from a mesh with the key alone, or with a reference as well.
 
-    reference: the certificate that was made at embedding, or the unmarked original; the mark is then also read
-    where they say that the suspect lies, which survives crops.
+    Parameters
+    ----------
+    mesh : Mesh
+        The suspect.
+    key : Key
+    reference : Certificate or Mesh, optional
+        The certificate that was made at embedding, or the unmarked original. The mark is then also read where they
+        say that the suspect lies, which survives crops.
+    search : str
+        "plain" reads the surface as it stands, "quick" also undoes common damage, "wide" also exchanges axes that
+        are nearly alike and reads every spacing instead of the first few.
+    time_limit : float, optional
+        Seconds after which the search stops; the answer is "inconclusive" where the mark was not found by then.
+    cut : bool
+        Also look for copies of one mesh that have lost a piece.
 
-    search: "plain" reads the surface as it stands, "quick" also undoes common damage, "wide" also exchanges axes
-    that are nearly alike and reads every spacing instead of the first few.
-    time_limit: seconds after which a search gives up; "inconclusive" where it had not found the mark by then.
-    cut: also look for copies of one mesh that have lost a piece.
-    Raises `InputError` for an unknown search, a time limit not above 0, a certificate of this key that was edited,
-    or where the mesh has no surface.
+    Returns
+    -------
+    Extraction
+
+    Raises
+    ------
+    InputError
+        The search is unknown, the time limit not above 0, the certificate of this key was edited, or the mesh has
+        no surface.
     """
     start = perf_counter()
     if search not in EFFORTS:
@@ -96,7 +112,7 @@ def extract(
         )
     )
     result = extraction_of(found, Codec(key), MODES[type(reference)], perf_counter() - start)
-    remark = stranger(reference, key, result.id) if isinstance(reference, Certificate) else None
+    remark = mismatch(reference, key, result.id) if isinstance(reference, Certificate) else None
     return result if remark is None else replace(result, advice=f"{result.advice} {remark}")
 
 

@@ -56,29 +56,31 @@ BUDGET_SHARE: Final = 0.95
 
 # Lattice spacings in units of the canonical scale. A fixed grid, because extraction must hit the very same one.
 SPACINGS: Final = 0.5 * 2.0 ** (-np.arange(19) / 4.0)
-# About so many cells have a patch of area spacing^2 each; fewer carry more energy per bit, more carry more bits.
+# Wanted number of cells, with a patch of area spacing^2 each; fewer carry more energy per bit, more carry more
+# bits.
 CARRIER_GOAL: Final = 300
 # A spacing with this many carriers is taken; else the one with most.
 CARRIER_ENOUGH: Final = 170
-# An extraction that saw so many takes the spacing for one of those: more, as an attack may have lost or added some.
+# An extraction that reads at least this number takes the spacing for such a one: more, as an attack may have lost
+# or added some.
 CARRIER_PLENTY: Final = 200
-# Below so many carriers of a 64-bit id no decoder can tell it from chance (decision 0004).
+# With fewer carriers of a 64-bit id no decoder can distinguish it from chance (decision 0004).
 CARRIER_MINIMUM: Final = 110
-# Nor is it tried where the cells that are read tell fewer bits than this by hard decisions (64 are needed): of the
-# lattices of small training models those that could be read told 64 and more, and none of eleven below 50.
+# Nor is it tried where the cells that are read yield fewer bits than this by hard decisions (64 are needed): of the
+# lattices of small training models those that could be read yielded 64 and more, and none of eleven below 50.
 HOPELESS_BITS: Final = 50.0
-# Fewer carriers than this are not read at all: nothing could be told from them.
+# Fewer carriers than this are not read at all: nothing could be decided from them.
 CARRIER_READABLE: Final = 60
 # Spacings tried around the preferred one, nearest first; thin walls need finer ones.
 SPACING_ORDER: Final = (0, 1, 2, 3, -1, 4, 5, -2)
 
-# Embedding uses one of the first so many spacings that have carriers enough, or one with fewer carriers.
+# Number of spacings with carriers enough that an embedding tries, before those with fewer carriers.
 SPACING_TRIES: Final = 3
 
 # Quantisation steps in spacings. Above the largest, bumps become visible and the solve nonlinear.
 STEPS: Final = 0.24 * 2.0 ** (-np.arange(25) / 4.0)
 
-# So many steps are tried from the largest affordable one down, every second of the grid.
+# Number of steps that are tried from the largest affordable one down, every second of the grid.
 STEP_TRIES: Final = 3
 
 # A sample of the surface is no longer than this share of a spacing (quadrature error below 0.003 spacings).
@@ -101,7 +103,7 @@ ALIKE: Final = 0.02
 # Newton passes at most, and the largest error, in steps, with which they may stop.
 SOLVE_PASSES: Final = 10
 SOLVE_TOLERANCE: Final = 0.03
-# A pass with so many times the best error so far is the last.
+# A pass with this number of times the best error so far is the last.
 DIVERGED: Final = 2.0
 # After three passes, a mean error of this many steps will not come down far enough any more.
 HOPELESS_ERROR: Final = 0.12
@@ -109,14 +111,15 @@ HOPELESS_ERROR: Final = 0.12
 LOST_ERROR: Final = 0.25
 
 # Of the correction of a frame: standard deviation of shift (3), logarithm of scale, turn (3, radians), and how many
-# of these the search reaches out. Restored shapes under the attacks of design.md, section 10, drift by 0.001 to 0.01.
+# of these the search reaches out. Restored shapes under the attacks of docs/design.md, section 10, drift by 0.001
+# to 0.01.
 LOCK_EXPECTED: Final = np.array([0.005] * 4 + [0.006] * 3)
 LOCK_RADIUS: Final = 3.0
 # Steps that a search tries: those that embeddings of any strength use.
 LOCK_STEPS: Final = tuple(float(step) for step in STEPS[:16])
 # A step such as standard marks have: clusters of cells are chosen by it.
 TYPICAL_STEP: Final = 0.1
-# So many corrections of a reading are decoded.
+# Number of corrections of a reading that are decoded.
 LOCK_CANDIDATES: Final = 2
 # A lock less likely than 10^this by chance, over its own search, is worth measuring anew where it puts the model.
 CREDIBLE_LOG10: Final = -0.5
@@ -124,16 +127,16 @@ CREDIBLE_LOG10: Final = -0.5
 # left to find of each part of the correction.
 CROP_APART: Final = 0.035
 CROP_EXPECTED: Final = np.array([0.014] * 3 + [0.011] + [0.016] * 3)
-# So many of these frames are tried, locked from a first cluster of cells, then from a second.
+# Number of these frames that are tried, locked from a first cluster of cells, then from a second.
 CROP_FRAMES: Final = {"quick": (60, 20), "wide": (160, 60)}
-# Spacings with so many carriers left may be that of the whole; the first few are tried.
+# Spacings with at least this number of carriers left may be that of the whole; the first few are tried.
 CROP_CARRIERS: Final = 130
 CROP_SPACINGS: Final = 2
-# The largest so many steps are tried: those of standard and strong marks.
+# Number of steps that are tried, largest first: those of standard and strong marks.
 LARGE_STEPS: Final = 9
-# With the original at hand, so many spacings are read in each of its frames.
+# Number of spacings that are read in each frame that an original gives.
 ORIGINAL_SPACINGS: Final = 3
-# So many turns of a frame are searched, where the search is to be quick.
+# Number of turns of a frame that a quick search goes through.
 LOCK_TURNS: Final = 2
 # An axis more skew than this is not turned round by an attack.
 SURELY_SKEW: Final = 0.03

@@ -15,13 +15,13 @@ from meshmark.ownership.carriers.cells import Cells
 from meshmark.ownership.carriers.quantisation import lock_score
 from meshmark.ownership.carriers.relief import Relief
 
-__all__ = ["settled", "settled_phase", "shifts"]
+__all__ = ["best_correction", "corrected_phase", "shifts"]
 
-# What is expected of each part of the correction: so many radians RMS over the cells for a part of the pose, and
-# for a part of the bending where it has its typical size.
+# Expected size of each part of the correction, in radians RMS over the cells: of a part of the pose, and of a part
+# of the bending where it has its typical size.
 POSE_EXPECTED = 0.2
 BENDING_EXPECTED = 1.0
-# An answer of more than so many typical sizes is cut: it is not linear so far.
+# A bending of more than this number of typical sizes is clipped: the response is not linear that far.
 LARGEST = 4.0
 TINY = 1e-9
 STEPS = 15
@@ -30,7 +30,7 @@ STEPS = 15
 STARTS = tuple((start, 2.0 if any(start) else 0.5) for start in product((0.0, -1.2, 1.2), repeat=2))
 
 
-def settled_phase(phase: FloatArray, cells: Cells, step: float, relief: Relief) -> FloatArray:
+def corrected_phase(phase: FloatArray, cells: Cells, step: float, relief: Relief) -> FloatArray:
     """Return the phases (n,) with small errors common to many cells taken off.
 
     The correction depends on doubled phases only: phases turned by pi give corrected phases turned by pi.
@@ -46,7 +46,7 @@ def settled_phase(phase: FloatArray, cells: Cells, step: float, relief: Relief) 
     best, best_score = phase, float(lock_score(phase))
     for start, margin in STARTS:
         turned = phase + bending @ np.array(start)
-        turned = turned + response @ settled(2.0 * turned, 2.0 * response, np.ones(response.shape[1]))
+        turned = turned + response @ best_correction(2.0 * turned, 2.0 * response, np.ones(response.shape[1]))
         score = float(lock_score(turned)) - margin * deviation
         if score > best_score:
             best, best_score = turned, score
@@ -61,7 +61,7 @@ def shifts(cells: Cells) -> FloatArray:
     return np.column_stack([cells.normal, along, np.cross(place, cells.normal)])
 
 
-def settled(psi: FloatArray, response: FloatArray, expected: FloatArray) -> FloatArray:
+def best_correction(psi: FloatArray, response: FloatArray, expected: FloatArray) -> FloatArray:
     """Return the correction y (d,) near 0 that maximises sum cos(psi + response y) - |y / expected|^2 / 2.
 
     psi: (n,) doubled phases; response: (n, d) their change per unit; expected: (d,) standard deviations of y.

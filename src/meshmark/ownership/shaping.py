@@ -16,7 +16,7 @@ from meshmark.coding.polar import Bits
 from meshmark.geometry.areas import vertex_areas
 from meshmark.geometry.frame import Frame
 from meshmark.geometry.sampling import plan_samples
-from meshmark.geometry.weld import Welded
+from meshmark.geometry.surface import Surface
 from meshmark.mesh import FloatArray
 from meshmark.ownership.bumps import FRAME_ROWS, Bumps, frame_values, symmetric
 from meshmark.ownership.carriers.cells import Cells, measure_cells
@@ -47,7 +47,7 @@ class Shaping:
     capacity: how many cells an extraction of the unmarked surface would read; cheap, where `carriers` is not.
     """
 
-    def __init__(self, surface: Welded, frame: Frame, key: Key, spacing: float, bits: Bits) -> None:
+    def __init__(self, surface: Surface, frame: Frame, key: Key, spacing: float, bits: Bits) -> None:
         self._surface, self._frame, self._bits, self.spacing = surface, frame, bits, spacing
         self._lattice = Lattice.keyed(key, spacing)
         self._placed = self._lattice.coordinates(frame.to_canonical(surface.points))
@@ -66,7 +66,7 @@ class Shaping:
 
     @property
     def bits(self) -> float:
-        """How many bits hard decisions can tell at most: cells that cannot be set are right half of the time."""
+        """The most bits that hard decisions can yield: cells that cannot be set are right half of the time."""
         wrong = 0.5 * (1.0 - self.carriers / max(self.capacity, 1))
         lost = sum(-share * log2(share) for share in (wrong, 1.0 - wrong) if share > 0.0)
         return self.capacity * (1.0 - lost)
@@ -114,7 +114,7 @@ class Shaping:
                 break
             held &= ~far | (np.abs(error) < previous)
             previous = np.abs(error)
-            length = length + self._bumps.settle(drift)
+            length = length + self._bumps.bend(drift)
             if (far & held).any():
                 corrected = np.where(held, error, 0.0) * step
                 length = length + self._bumps.displacement(np.zeros(FRAME_ROWS), corrected)

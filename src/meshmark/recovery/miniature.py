@@ -8,7 +8,7 @@ from meshmark.errors import CapacityError, InputError
 from meshmark.geometry.adjacency import adjacency, unique_edges
 from meshmark.geometry.areas import face_areas
 from meshmark.geometry.components import connected_components
-from meshmark.geometry.frame import canonical_frame
+from meshmark.geometry.frame import Frame, canonical_frame
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.recovery.mesh_coder import PLACE_BITS, decode_mesh, encode_mesh
 from meshmark.recovery.simplify import simplify
@@ -26,13 +26,14 @@ STEPS_OF_POINT = 0.12
 BITS = (4, 13)
 
 
-def miniature(points: FloatArray, faces: IntArray, size_bytes: int) -> bytes:
+def miniature(points: FloatArray, faces: IntArray, size_bytes: int, *, frame: Frame | None = None) -> bytes:
     """Return the surface in at most `size_bytes` bytes, in the canonical coordinates of its own frame.
 
-    Of many parts that do not fit the smallest are left out. points: (p, 3); faces: (m, 3). Raises `CapacityError`
+    Of many parts that do not fit the smallest are left out. points: (p, 3); faces: (m, 3);
+    frame: the surface's canonical frame, where it is known already. Raises `CapacityError`
     where the bytes are too few even for a crude shape, `InputError` where there is no surface.
     """
-    canonical = canonical_frame(points, faces).to_canonical(points)
+    canonical = (frame or canonical_frame(points, faces)).to_canonical(points)
     count = min(int(8 * size_bytes / BITS_OF_POINT), LARGEST_POINTS)
     best = None
     few, small = simplify(canonical, faces, max(count, 4)) if size_bytes >= SMALLEST else (canonical, faces)

@@ -13,7 +13,7 @@ from meshmark.geometry.adjacency import adjacency, unique_edges
 from meshmark.geometry.areas import area_vectors
 from meshmark.geometry.closest_point import SurfaceIndex
 from meshmark.geometry.components import connected_components
-from meshmark.geometry.weld import Welded
+from meshmark.geometry.surface import Surface
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.recovery.borders import border_edges
 from meshmark.recovery.expected_error import expected_errors
@@ -55,7 +55,7 @@ class Recovered:
 
 
 def recover(
-    suspect: Welded, altered: NDArray[np.bool_], miniature: bytes, *, missing: bool = False
+    suspect: Surface, altered: NDArray[np.bool_], miniature: bytes, *, missing: bool = False
 ) -> Recovered:
     """Return the suspect with its altered parts as the miniature has them; what is not altered stays bit by bit.
 
@@ -94,7 +94,7 @@ def _blended(points: FloatArray, faces: IntArray, old: int, mini: tuple[FloatArr
 
 
 def _moved_back(
-    suspect: Welded, altered: NDArray[np.bool_], intact: IntArray, mini: tuple[FloatArray, IntArray]
+    suspect: Surface, altered: NDArray[np.bool_], intact: IntArray, mini: tuple[FloatArray, IntArray]
 ) -> tuple[FloatArray, NDArray[np.bool_], NDArray[np.bool_], int]:
     """Return the points after each altered part was moved back, which ones are to be cut out, which ones lie on
     boundaries of holes, and how many parts stay as they are.
@@ -157,7 +157,7 @@ def _turned(
     return np.asarray(turned / np.maximum(total, 1))
 
 
-def _result(suspect: Welded, points: FloatArray, faces: IntArray, *, old: int, left: int) -> Recovered:
+def _result(suspect: Surface, points: FloatArray, faces: IntArray, *, old: int, left: int) -> Recovered:
     """Return the surface without points that lost their faces; the first `old` faces are those of the suspect."""
     before = len(suspect.points)
     kept = np.arange(len(points)) < before  # loose points stay

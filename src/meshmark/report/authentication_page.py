@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from meshmark.coding.chance import in_words
+from meshmark.geometry.surface import Surface
 from meshmark.geometry.view import from_behind, three_quarter_view
-from meshmark.geometry.weld import Welded, weld
+from meshmark.geometry.weld import weld
 from meshmark.io.atomic_write import write_whole
 from meshmark.io.staging import Staging
 from meshmark.mesh import FloatArray, IntArray, Mesh
@@ -124,7 +125,7 @@ def altered_colours(altered: NDArray[np.bool_]) -> FloatArray:
     return np.where(altered[:, None], RED, CLAY)
 
 
-def _views(welded: Welded, found: Authentication) -> list[_View]:
+def _views(welded: Surface, found: Authentication) -> list[_View]:
     altered = found.altered[welded.vertex_of_point]
     region = found.region[welded.vertex_of_point]
     colours = altered_colours(altered)

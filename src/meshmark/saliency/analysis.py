@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from meshmark.errors import InputError
-from meshmark.geometry.weld import Welded, weld
+from meshmark.geometry.surface import Surface
+from meshmark.geometry.weld import weld
 from meshmark.mesh import FloatArray, IntArray, Mesh
 from meshmark.saliency.nc_dgg import Saliency, saliency
 from meshmark.saliency.salient_points import salient_points
@@ -61,7 +62,7 @@ def analyse(mesh: Mesh) -> SaliencyResult:
     )
 
 
-def points_and_saliency(mesh: Mesh) -> tuple[Welded, Saliency]:
+def points_and_saliency(mesh: Mesh) -> tuple[Surface, Saliency]:
     """Return the welded mesh and its saliency; raises `InputError` where it has no proper triangle."""
     welded = weld(mesh)
     if not len(welded.faces):

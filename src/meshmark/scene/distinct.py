@@ -19,7 +19,7 @@ from scipy.sparse import csr_array
 from meshmark.document import Attributes, Document
 from meshmark.geometry.components import connected_components
 from meshmark.geometry.copies import FIRST_LARGEST
-from meshmark.geometry.weld import Welded
+from meshmark.geometry.surface import Surface
 from meshmark.io.placement import Affine, Placement
 from meshmark.io.save import conform
 from meshmark.io.source import SourceFile
@@ -85,11 +85,11 @@ class Distinct:
         stretches = [np.linalg.svd(affine.linear, compute_uv=False)[2] for affine in self.maps.values()]
         return float(min(1.0, *stretches))
 
-    def shown(self, welded: Welded) -> IntArray:
-        """Return how many times the scene shows each point (p,) of `mesh`, welded."""
-        point = welded.point_of_vertex[self.row]
-        pairs = np.unique(self.showing * len(welded.points) + point)
-        return np.bincount(pairs % len(welded.points), minlength=len(welded.points))
+    def shown(self, surface: Surface) -> IntArray:
+        """Return how many times the scene shows each point (p,) of the surface of `mesh`."""
+        count, point = len(surface.points), surface.point_of_vertex[self.row]
+        pairs = np.unique(self.showing * count + point)
+        return np.bincount(pairs % count, minlength=count)
 
     def repeated(self, mesh: Mesh) -> Piece | None:
         """Return the part of `mesh`, marked or not, that is shown more than once, None where that is all of it."""

@@ -12,7 +12,9 @@ from meshmark.geometry.affine import Affine
 from meshmark.geometry.congruence import Tolerance
 from meshmark.geometry.copies import Copies, find_copies
 from meshmark.geometry.shown import Shown
-from meshmark.geometry.weld import Welded, weld
+from meshmark.geometry.surface import Surface
+from meshmark.geometry.surface_of import surface_of
+from meshmark.geometry.weld import weld
 from meshmark.mesh import IntArray, Mesh
 from meshmark.scene.distinct import Distinct, distinct, scene_of
 
@@ -27,8 +29,7 @@ __all__ = [
     "unfolded",
 ]
 
-# What may be a copy where the file does not tell, each tried in turn: parts of so many points, that differ by so
-# much.
+# What may be a copy where the file does not say, each tried in turn: least points of a part, and the tolerance.
 # The rounding of an export, and what marks of authentication alone change, lie between the two tolerances.
 _EXACT, _NEARLY = Tolerance(0.0, 4e-7), Tolerance(3e-4, 2e-6)
 _TRIED: Final = (
@@ -41,14 +42,14 @@ _TRIED: Final = (
 _TRIED_TOO: Final = ((64, _EXACT, "cut"), (64, _NEARLY, "cut"))
 
 
-# A copy that differs by this share of the model was changed, or its original was; so many are tried in its
-# place.
+# A copy that differs by this share of the model was changed, or its original was; at most this number of copies is
+# tried in its place.
 _CHANGED, _EXCHANGED = 1e-3, 2
-# So many faces of a copy tell which way it turns.
+# Number of faces of a copy that show its orientation.
 _FACES = 200
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Unfolded(Shown):
     """A surface with copies whose every copy was moved to the place of its original.
 
@@ -59,7 +60,7 @@ class Unfolded(Shown):
     maps: tuple[Affine, ...]
 
 
-def marked_surface(mesh: Mesh) -> Welded:
+def marked_surface(mesh: Mesh) -> Surface:
     """Return the welded surface that an embedding into this mesh changes.
 
     That is one showing of each mesh where the mesh's file shows one several times; each vertex of the scene belongs
@@ -67,15 +68,15 @@ def marked_surface(mesh: Mesh) -> Welded:
     """
     once = distinct(mesh)
     if once is None:
-        return weld(mesh)
-    surface = shown(weld(once.mesh), once)
+        return surface_of(mesh)
+    surface = shown(surface_of(once.mesh), once)
     return replace(surface, point_of_vertex=surface.point_of_vertex[once.row])
 
 
-def surfaces_to_read(mesh: Mesh, *, cut: bool = False) -> Iterator[Welded]:
+def surfaces_to_read(mesh: Mesh, *, cut: bool = False) -> Iterator[Surface]:
     """Yield the surfaces that may carry the mark of a suspect, likeliest first.
 
-    Where its file tells what are copies of one mesh, first without these; where it does not, last without those
+    Where its file says what are copies of one mesh, first without these; where it does not, last without those
     that look like it. Next to each stands the part of it that is shown more than once: what stands around copies
     may be too large for them. cut: see `repeated`.
     """
@@ -83,7 +84,7 @@ def surfaces_to_read(mesh: Mesh, *, cut: bool = False) -> Iterator[Welded]:
     yield first
     if isinstance(first, Shown):
         yield from only_repeated(first)
-        yield weld(mesh)
+        yield surface_of(mesh)
         return
     scene = scene_of(mesh)
     if scene is not None:
@@ -96,7 +97,7 @@ def surfaces_to_read(mesh: Mesh, *, cut: bool = False) -> Iterator[Welded]:
         yield from _exchanged(unfolded(mesh, copies))
 
 
-def _exchanged(surface: Unfolded) -> Iterator[Welded]:
+def _exchanged(surface: Unfolded) -> Iterator[Surface]:
     """Yield the surface without copies but one, in place of its original, where one of the two was changed."""
     off = np.linalg.norm(surface.points - surface.points[surface.original], axis=1)
     far = off > _CHANGED * float(np.ptp(surface.points, axis=0).max())
@@ -105,7 +106,7 @@ def _exchanged(surface: Unfolded) -> Iterator[Welded]:
         gone[surface.original[surface.place == number]] = True
         kept = np.where(surface.place == 0, ~gone, surface.place == number)
         faces = surface.faces[kept[surface.faces].all(axis=1)]
-        yield Welded(surface.points, faces, surface.point_of_vertex)
+        yield Surface(points=surface.points, faces=faces, point_of_vertex=surface.point_of_vertex)
 
 
 def only_repeated(surface: Shown) -> Iterator[Shown]:
@@ -115,26 +116,31 @@ def only_repeated(surface: Shown) -> Iterator[Shown]:
         yield replace(surface, faces=faces)
 
 
-def shown(welded: Welded, scene: Distinct) -> Shown:
+def shown(surface: Surface, scene: Distinct) -> Shown:
     """Return the surface of `scene.mesh` with how often the scene shows each point."""
-    own = np.arange(len(welded.points))
-    return Shown(welded.points, welded.faces, welded.point_of_vertex, scene.shown(welded), own)
+    return Shown(
+        points=surface.points,
+        faces=surface.faces,
+        point_of_vertex=surface.point_of_vertex,
+        times=scene.shown(surface),
+        original=np.arange(len(surface.points)),
+    )
 
 
 def repeated(mesh: Mesh, *, cut: bool = False) -> Iterator[Copies]:
-    """Yield what may be copies of one mesh in a scene whose file does not tell, by its vertices.
+    """Yield what may be copies of one mesh in a scene whose file does not say so, by its vertices.
 
     cut: also of copies that have lost a piece; this takes long.
     """
-    welded, seen = weld(mesh), list[Copies]()
-    first = welded.vertex_of_point
+    surface, seen = surface_of(mesh), list[Copies]()
+    first = surface.vertex_of_point
     for least, tolerance, edited in (*_TRIED, *(_TRIED_TOO if cut else ())):
-        found = find_copies(welded.points, welded.faces, least, tolerance, edited=edited)
+        found = find_copies(surface.points, surface.faces, least, tolerance, edited=edited)
         if found is not None:
-            point = welded.point_of_vertex
+            point = surface.point_of_vertex
             found = Copies(original=first[found.original[point]], place=found.place[point], maps=found.maps)
-        elif len(welded.points) < len(mesh.vertices):
-            # Copies may touch, as the halves of a mirrored model do; their vertices tell them apart.
+        elif len(surface.points) < len(mesh.vertices):
+            # Copies may touch, as the halves of a mirrored model do; their vertices distinguish them.
             found = find_copies(mesh.vertices, mesh.faces, least, tolerance, edited=edited)
         if found is not None and not any(_same(found, other) for other in seen):
             seen.append(found)
@@ -154,12 +160,18 @@ def once_each(mesh: Mesh, copies: Copies) -> Shown:
     point = welded.point_of_vertex[row[copies.original]]
     pairs = np.unique(copies.place * len(welded.points) + point)
     times = np.bincount(pairs % len(welded.points), minlength=len(welded.points))
-    return Shown(welded.points, welded.faces, point, times, np.arange(len(welded.points)))
+    return Shown(
+        points=welded.points,
+        faces=welded.faces,
+        point_of_vertex=point,
+        times=times,
+        original=np.arange(len(welded.points)),
+    )
 
 
 def unfolded(mesh: Mesh, copies: Copies) -> Unfolded:
     """Return the surface of a mesh with each copy in the place of its original; copies stay parts of their own."""
-    welded = weld(mesh)
+    welded = surface_of(mesh)
     keys = copies.place * len(welded.points) + welded.point_of_vertex
     _, first, point = np.unique(keys, return_index=True, return_inverse=True)
     points, place = mesh.vertices[first].copy(), copies.place[first]
@@ -172,7 +184,15 @@ def unfolded(mesh: Mesh, copies: Copies) -> Unfolded:
     original = point[copies.original[first]]
     turned = [number for number in range(1, len(copies.maps)) if _is_turned(faces, original, place, number)]
     faces = np.where(np.isin(place[faces[:, :1]], turned), faces[:, ::-1], faces)
-    return Unfolded(points, faces, point, times, original, place, copies.maps)
+    return Unfolded(
+        points=points,
+        faces=faces,
+        point_of_vertex=point,
+        times=times,
+        original=original,
+        place=place,
+        maps=copies.maps,
+    )
 
 
 def mirrored(surface: Unfolded) -> Iterator[Unfolded]:

@@ -29,7 +29,8 @@ from pathlib import Path
 from meshmark.research.benchmark.run.run import Plan, run
 if __name__ == "__main__":
     suite, models, out, scheme, limit = sys.argv[1:]
-    plan = Plan(suite=suite, data=Path(models), out=Path(out), schemes=(scheme,), workers=2, time_limit=float(limit))
+    where = {'data': Path(models), 'out': Path(out)}
+    plan = Plan(suite=suite, **where, schemes=(scheme,), workers=2, time_limit=float(limit))
     run(plan)
 """
 

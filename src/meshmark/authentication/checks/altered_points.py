@@ -6,9 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshmark.authentication.checks.checks import Checks
-from meshmark.geometry.adjacency import adjacency, unique_edges
 from meshmark.geometry.open_edges import open_edges
-from meshmark.geometry.weld import Welded
+from meshmark.geometry.surface import Surface
 
 __all__ = ["altered_points"]
 
@@ -17,7 +16,7 @@ __all__ = ["altered_points"]
 _VOUCHED = 0.55
 
 
-def altered_points(surface: Welded, checks: Checks) -> NDArray[np.bool_]:
+def altered_points(surface: Surface, checks: Checks) -> NDArray[np.bool_]:
     """Return (p,): the points that an edit seems to have moved, made, or laid bare.
 
     A point without a mark that holds next to it is altered, but for the border of a larger altered part: marks
@@ -25,8 +24,7 @@ def altered_points(surface: Welded, checks: Checks) -> NDArray[np.bool_]:
     ends). Points whose rings carry no marks are judged as the nearest that do, an altered one before an intact
     one.
     """
-    count = len(surface.points)
-    graph = adjacency(unique_edges(surface.faces), count)
+    count, graph = len(surface.points), surface.graph
     suspect = checks.eligible & ~checks.verified
     degree = np.maximum(graph @ (checks.eligible | checks.verified).astype(np.float64), 1.0)
     inner = suspect & ((graph @ checks.verified.astype(np.float64)) / degree < _VOUCHED)

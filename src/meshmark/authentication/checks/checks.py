@@ -16,7 +16,8 @@ from meshmark.authentication.marks.candidates import (
     PLACE,
 )
 from meshmark.authentication.marks.ring_shapes import ring_shapes
-from meshmark.authentication.marks.rings import Rings, ordered_rings
+from meshmark.authentication.marks.rings import Rings
+from meshmark.authentication.marks.rings_of import rings_of
 from meshmark.authentication.marks.symbols import (
     directions,
     place_values,
@@ -24,12 +25,12 @@ from meshmark.authentication.marks.symbols import (
 from meshmark.authentication.payload.payload import SymbolSource
 from meshmark.coding.keys import Key
 from meshmark.geometry.shown import Shown
-from meshmark.geometry.weld import Welded
+from meshmark.geometry.surface import Surface
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["Checks", "check"]
 
-# A mark of a copy lies where its original does if it is off by so many of the smallest steps at most.
+# A mark of a copy lies where its original does if it is off by at most this number of the smallest steps.
 _COINCIDENT = 8.0
 
 
@@ -39,12 +40,13 @@ class Checks:
 
     eligible: (p,) whose ring could have carried a mark, so that one of their closed ring does in an intact
     model. passed: (p,) whose mark holds. verified: (p,) in the closed ring of a mark that holds. nonce: the
-    model's id, None where the marks do not tell. index, value, vertex: (k,) payload symbols read, and the
-    points that carry them. symbol_bits: of each. step: that of a ring of spread 1, in scene units, as far as the
-    marks tell it, 0 where there are none. log10_chance: bound on the chance that so many marks hold without the
-    key. torn: (p,) on a boundary now, though a mark next to it says that it was not. scale: of the marked model.
-    stray_index, stray_value, stray_vertex: (s,) payload symbols of all marks that hold, also of those which the map
-    does not believe; more of them are wrong.
+    model's id, None where the marks do not report one. index, value, vertex: (k,) payload symbols read, and the
+    points that carry them. symbol_bits: of each. step: that of a ring of spread 1, in scene units, as estimated
+    from the marks, 0 where there are none. log10_chance: bound on the chance that as many marks hold without the
+    key. new_boundary: (p,) on a boundary now, though a mark next to it says that it was not. scale: of the marked
+    model.
+    held_index, held_value, held_vertex: (s,) payload symbols of all marks that hold, also of those which the map
+    rejects; more of them are wrong.
     """
 
     eligible: NDArray[np.bool_]
@@ -57,27 +59,29 @@ class Checks:
     symbol_bits: int
     step: float
     log10_chance: float
-    torn: NDArray[np.bool_]
+    new_boundary: NDArray[np.bool_]
     scale: Scale
-    stray_index: NDArray[np.uint32]
-    stray_value: NDArray[np.uint16]
-    stray_vertex: IntArray
+    held_index: NDArray[np.uint32]
+    held_value: NDArray[np.uint16]
+    held_vertex: IntArray
 
 
-def check(surface: Welded, key: Key, nonce: int | None = None, payload: SymbolSource | None = None) -> Checks:
-    """Try every point's ring for a mark of this key.
+def check(
+    surface: Surface, key: Key, nonce: int | None = None, payload: SymbolSource | None = None
+) -> Checks:
+    """Read every point's ring as a mark of this key.
 
-    nonce: the model's id; None: the one that the marks themselves tell. payload: its symbols, where they are known;
-    a mark that says another one does not hold.
+    nonce: the model's id; None: the one that the marks report. payload: the expected symbols, where they have been
+    decoded; a mark that says another one does not hold.
     """
-    points, faces = surface.points, surface.faces
-    rings = ordered_rings(faces, len(points))
+    points = surface.points
+    rings = rings_of(surface)
     shapes = [ring_shapes(points, group) for group in rings]
     setting = likeliest_setting(points, rings, shapes, key, nonce)
     if setting is None:
         return _nothing(len(points))
     layout = setting.layout
-    swept = sweep(points, list(zip(rings, shapes, strict=True)), setting, key, nonce, payload)
+    swept = sweep(points, list(zip(rings, shapes, strict=True)), setting, key, nonce=nonce, payload=payload)
     if swept is None:
         return _nothing(len(points))
     found, read = swept.found, swept.read
@@ -85,9 +89,9 @@ def check(surface: Welded, key: Key, nonce: int | None = None, payload: SymbolSo
     passed[found.vertex[read.holds]] = True
     pairs = _pairs(rings, passed)
     whole = np.zeros(len(points), bool)
-    whole[found.vertex[read.holds & ~read.torn]] = True
-    torn = _torn(rings, found.vertex[read.torn], whole, 2 if swept.rounded else 1)
-    able = swept.able | torn
+    whole[found.vertex[read.holds & ~read.new_boundary]] = True
+    new_boundary = _new_boundary(rings, found.vertex[read.new_boundary], whole, 2 if swept.rounded else 1)
+    able = swept.able | new_boundary
     outdone = _outdone(pairs, found.vertex, np.where(read.holds, read.off, np.inf), len(points))
     place = read.holds & (found.kind == PLACE) & ~outdone[found.vertex]
     evidence = Evidence(
@@ -99,32 +103,39 @@ def check(surface: Welded, key: Key, nonce: int | None = None, payload: SymbolSo
     )
     linked = np.concatenate([pairs, _copied(surface, passed, setting.unit)])
     passed, scale = in_place(
-        faces, passed, linked, able & ~_vouched(pairs, passed), evidence, int(swept.rounded)
+        surface.edges,
+        passed,
+        linked,
+        able & ~_vouched(pairs, passed),
+        evidence,
+        lucky=int(swept.rounded),
     )
     pairs = pairs[passed[pairs[:, 0]]]
-    stray = read.holds & (found.kind == PAYLOAD)
-    told = stray & passed[found.vertex]
-    told &= ~_outdone(pairs, found.vertex, np.where(read.holds, read.off, np.inf), len(points))[found.vertex]
+    held = read.holds & (found.kind == PAYLOAD)
+    decoded = held & passed[found.vertex]
+    decoded &= ~_outdone(pairs, found.vertex, np.where(read.holds, read.off, np.inf), len(points))[
+        found.vertex
+    ]
     return Checks(
         eligible=able,
         passed=passed,
-        verified=_vouched(pairs, passed) & ~torn,
+        verified=_vouched(pairs, passed) & ~new_boundary,
         nonce=swept.nonce,
-        index=found.index[told],
-        value=read.symbol[told].astype(np.uint16),
-        vertex=found.vertex[told],
+        index=found.index[decoded],
+        value=read.symbol[decoded].astype(np.uint16),
+        vertex=found.vertex[decoded],
         symbol_bits=layout.symbol,
         step=setting.unit,
         log10_chance=chance_of(found, read.holds, layout),
-        torn=torn,
+        new_boundary=new_boundary,
         scale=scale,
-        stray_index=found.index[stray],
-        stray_value=read.symbol[stray].astype(np.uint16),
-        stray_vertex=found.vertex[stray],
+        held_index=found.index[held],
+        held_value=read.symbol[held].astype(np.uint16),
+        held_vertex=found.vertex[held],
     )
 
 
-def _copied(surface: Welded, passed: NDArray[np.bool_], unit: float) -> IntArray:
+def _copied(surface: Surface, passed: NDArray[np.bool_], unit: float) -> IntArray:
     """Return (n, 2): each mark of a copy that holds and lies where that of the original does, which holds, too."""
     if not isinstance(surface, Shown):
         return np.empty((0, 2), np.int64)
@@ -134,23 +145,25 @@ def _copied(surface: Welded, passed: NDArray[np.bool_], unit: float) -> IntArray
     return np.stack([copy, surface.original[copy]], axis=1)
 
 
-def _torn(rings: list[Rings], vertex: IntArray, whole: NDArray[np.bool_], least: int) -> NDArray[np.bool_]:
+def _new_boundary(
+    rings: list[Rings], vertex: IntArray, whole: NDArray[np.bool_], least: int
+) -> NDArray[np.bool_]:
     """Return (p,): the boundary points next to `least` or more marks `vertex` that know of no boundary there.
 
     Not so where a mark whose ring is `whole` (p,) knows the boundary: then the other one holds by chance. In a
     rounded file, where the window is wide, one alone may; and where it lies next to a whole mark it does, as no two
     marks are neighbours.
     """
-    told = np.zeros(len(whole), np.int64)
+    count = np.zeros(len(whole), np.int64)
     marks = np.zeros(len(whole), bool)
     marks[vertex] = True
     pairs = _pairs(rings, whole)
     marks[pairs[:, 1]] = False
     for group in rings:
         own = group.take(marks[group.vertex])
-        np.add.at(told, own.around[own.rim], 1)
-    torn = told >= least
-    return torn & ~_vouched(pairs, whole)
+        np.add.at(count, own.around[own.boundary], 1)
+    found = count >= least
+    return found & ~_vouched(pairs, whole)
 
 
 def _pairs(rings: list[Rings], passed: NDArray[np.bool_]) -> IntArray:
@@ -190,9 +203,9 @@ def _nothing(count: int) -> Checks:
         symbol_bits=0,
         step=0.0,
         log10_chance=0.0,
-        torn=no,
+        new_boundary=no,
         scale=Scale(),
-        stray_index=np.empty(0, np.uint32),
-        stray_value=np.empty(0, np.uint16),
-        stray_vertex=np.empty(0, np.int64),
+        held_index=np.empty(0, np.uint32),
+        held_value=np.empty(0, np.uint16),
+        held_vertex=np.empty(0, np.int64),
     )

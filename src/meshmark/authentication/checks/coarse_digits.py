@@ -17,9 +17,9 @@ _BITS: Final = range(6, 21)
 _DECIMALS: Final = range(9)
 _DIGITS: Final = range(3, 8)
 # A coordinate on a grid may be off it by this share of a step, as a later save in fewer digits leaves it; 32-bit
-# floats are off by so many times a coordinate's size.
+# floats are off by this share of a coordinate's size.
 _OFF, _FLOATS = 0.1, 1.2e-7
-# So many of the vertices must lie on it: the others were moved later. By chance 1 in 125 does.
+# Share of the vertices that must lie on it: the others were moved later. By chance 1 in 125 does.
 _SHARE: Final = 0.5
 # Of fewer vertices nothing is said.
 _LEAST: Final = 40

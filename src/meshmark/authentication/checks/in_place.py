@@ -12,17 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from meshmark.geometry.adjacency import unique_edges
 from meshmark.geometry.components import connected_components
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["Evidence", "Scale", "in_place"]
 
-# Fewer marks of the largest part that tell their place cannot say where the model lies.
+# Fewer marks of the largest part that carry their place cannot say where the model lies.
 _NEEDED = 12
 # A part may be this far from its place, in steps of the symbol; half a step is rounding.
 _SLACK = 1.0
-# And so many deviations of the fit, which a small part determines badly far away from it.
+# And this number of deviations of the fit, which a small part determines badly far away from it.
 _DOUBTS = 3.0
 
 
@@ -45,7 +44,7 @@ class Evidence:
 class Scale:
     """Of the marked model in the suspect's scene.
 
-    half: of its diagonal, 0 where it is not known; doubt: its relative standard deviation.
+    half: of its diagonal, 0 where it is unknown; doubt: its relative standard deviation.
     """
 
     half: float = 0.0
@@ -53,19 +52,39 @@ class Scale:
 
 
 def in_place(
-    faces: IntArray,
+    edges: IntArray,
     passed: NDArray[np.bool_],
     pairs: IntArray,
     failing: NDArray[np.bool_],
     evidence: Evidence,
+    *,
     lucky: int = 0,
 ) -> tuple[NDArray[np.bool_], Scale]:
-    """Return which of the marks that hold, `passed` (p,), to believe, and the scale that they tell.
+    """Return which of the marks that hold to believe, and the scale of the model according to them.
 
-    pairs: (n, 2) each mark that holds and a point of its ring. failing: (p,) points that no mark vouches for,
-    though one should. Marks that share points of their rings are one part. The largest part is believed;
-    another one where most of its own evidence agrees with the largest part's, or, without any, where it touches
-    nothing that fails: a shell of its own. lucky: so much evidence against a part may hold by chance.
+    Marks that share points of their rings are one part. The largest part is believed; another one where most of its
+    own evidence agrees with the largest part's, or, without any, where it touches nothing that fails: a connected
+    component of its own.
+
+    Parameters
+    ----------
+    edges : (e, 2) int array
+        Of the surface.
+    passed : (p,) bool array
+        The marks that hold.
+    pairs : (n, 2) int array
+        Each mark that holds and a point of its ring.
+    failing : (p,) bool array
+        Points that no mark vouches for, though one should.
+    evidence : Evidence
+        Where marks say that they lie.
+    lucky : int
+        Number of marks of a part that may hold by chance although they lie elsewhere.
+
+    Returns
+    -------
+    believed : (p,) bool array
+    scale : Scale
     """
     part = _parts(pairs, len(passed))
     count = int(part.max(initial=-1)) + 1
@@ -74,7 +93,6 @@ def in_place(
     main = int(np.bincount(part[passed], minlength=count).argmax())
     agrees, disputes, scale = _votes(part, main, evidence, count)
     touched = np.zeros(count, bool)
-    edges = unique_edges(faces)
     for start, end in (edges.T, edges[:, ::-1].T):
         touched[part[start[failing[end] & ~failing[start]]]] = True
     touched[part[failing]] = True
@@ -84,7 +102,7 @@ def in_place(
 
 
 def _least(agrees: IntArray, touched: NDArray[np.bool_]) -> IntArray:
-    """Return (parts,) how many marks must agree: two next to something that fails, none for a shell of its own."""
+    """Return (parts,) how many marks must agree: two next to something that fails, else none."""
     return np.where(touched, np.full_like(agrees, 2), 0)
 
 

@@ -18,7 +18,7 @@ from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["Read", "chance_of", "read_marks", "window_of"]
 
-# A mark may be this many steps from its whole place, and so many times the median of all.
+# A mark may be this number of steps from its whole place, and this number of times the median of all.
 _WINDOW, _WINDOWS = 0.12, 8.0
 # Odd numbers that make three whole places into one.
 _MIX = np.array([0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9, 0x94D049BB133111EB], np.uint64)
@@ -26,12 +26,14 @@ _MIX = np.array([0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9, 0x94D049BB133111EB], np
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Read:
-    """What candidates say: symbols (c,), whether a mark holds, how far it is off, and whether its ring was torn."""
+    """What candidates say: symbols (c,), whether a mark holds, how far it is off, and whether it holds only if its
+    ring was not on a boundary when it was made.
+    """
 
     symbol: IntArray
     holds: NDArray[np.bool_]
     off: FloatArray
-    torn: NDArray[np.bool_]
+    new_boundary: NDArray[np.bool_]
 
 
 def read_marks(
@@ -39,22 +41,22 @@ def read_marks(
 ) -> Read:
     """Return which candidates are marks; those of headers alone where the nonce (the model's id) is unknown.
 
-    Marks lie as near to whole places as the file's precision lets them; how near that is, the marks tell. What lies
+    Marks lie as near to whole places as the file's precision lets them; how near that is, the marks show. What lies
     farther off holds by chance, or was moved by less than a step. A mark beside a boundary that would hold if there
     were none is a mark beside a hole that was made.
-    payload: where its symbols are known, a mark that says another one does not hold.
+    payload: the expected symbols, where they have been decoded: a mark that says another one does not hold.
     """
     off = np.abs(found.place - found.whole).max(axis=1)
     symbol = np.zeros(len(off), np.int64)
-    holds, torn = np.zeros(len(off), bool), np.zeros(len(off), bool)
+    holds, new_boundary = np.zeros(len(off), bool), np.zeros(len(off), bool)
     last, window = -1.0, _WINDOW
     while window > last:  # a narrow window first: few files need more
         rows = np.flatnonzero((off > last) & (off <= window))
-        symbol[rows], holds[rows], torn[rows] = _read(found.take(rows), key, layout, nonce, payload)
+        symbol[rows], holds[rows], new_boundary[rows] = _read(found.take(rows), key, layout, nonce, payload)
         last = window
         window = window_of(off[holds])
     holds &= off <= window
-    return Read(symbol=symbol, holds=holds, off=off, torn=torn & holds)
+    return Read(symbol=symbol, holds=holds, off=off, new_boundary=new_boundary & holds)
 
 
 def window_of(off: FloatArray) -> float:
@@ -68,22 +70,22 @@ def _read(
     """Return the symbols (c,) of the whole places, whether they hold, and whether only without a boundary."""
     whole = found.whole
     bound = bind(found, key, nonce)
-    symbol, holds = symbols_at(whole, found.rim, bound, layout)
-    torn = np.zeros(len(whole), bool)
-    rows = np.flatnonzero((found.rim != 0) & ~holds)
-    torn[rows] = symbols_at(whole[rows], np.zeros(len(rows), np.int64), bound[rows], layout)[1]
-    holds |= torn
+    symbol, holds = symbols_at(whole, found.boundary, bound, layout)
+    new_boundary = np.zeros(len(whole), bool)
+    rows = np.flatnonzero((found.boundary != 0) & ~holds)
+    new_boundary[rows] = symbols_at(whole[rows], np.zeros(len(rows), np.int64), bound[rows], layout)[1]
+    holds |= new_boundary
     if nonce is not None:
         header = found.kind == HEADER
         holds[header] &= symbol[header] == header_symbols(found.index[header], nonce, layout.symbol)
     if payload is not None:
         rows = np.flatnonzero(holds & (found.kind == PAYLOAD))
         holds[rows] = symbol[rows] == payload(found.index[rows])
-    return symbol, holds, torn
+    return symbol, holds, new_boundary
 
 
 def chance_of(found: Candidates, holds: NDArray[np.bool_], layout: Layout) -> float:
-    """Bound the chance that so many marks hold by luck, times all layouts and levels (Chernoff).
+    """Bound the chance that as many marks hold by luck, times all layouts and levels (Chernoff).
 
     Points that lie alike in rings that are alike count once: their marks hold or fail together. How many are tried
     depends on what holds, so all numbers of tries count.

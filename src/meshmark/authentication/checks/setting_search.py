@@ -28,20 +28,20 @@ _SAMPLE, _SAMPLE_BLIND = 600, 2500
 # A ring this near (in levels) to where the level changes, or may change, is tried on both sides.
 _LEVEL_DOUBT = 0.05
 # Steps that are tried first: from a little below the finest that models get to eight times that, in levels. What
-# they tell is taken where so many marks hold by chance less often than this, and are that sure of the step.
+# they report is taken where its chance is below this, and the doubt about the step (levels) at most that.
 _LIKELY = range(-6, 2)
 _CLEAR_LOG10, _CLEAR = -6.0, 0.25
-# Of the marks that hold under one step so many may do so by luck.
+# Number of the marks that hold under one step which may do so by luck.
 _BY_LUCK = 3
 _SAME, _NEXT = 1e-9, 0.25
 
 
 @dataclass(frozen=True, kw_only=True)
 class Setting:
-    """How marks were made, as a sample tells.
+    """How marks were made, estimated from a sample.
 
     unit: the smallest step over the spread, in scene units; doubt: how far off it may be, in levels.
-    layout: of the words; count: marks of the sample. log10_chance: bound on that of so many by luck.
+    layout: of the words; count: marks of the sample. log10_chance: bound on that of as many by luck.
     """
 
     unit: float
@@ -120,7 +120,7 @@ def _best(
     off = np.abs(found.place - found.whole).max(axis=1)
     best: Setting | None = None
     for layout in LAYOUTS.values():
-        _, holds = symbols_at(found.whole, found.rim, bound, layout)
+        _, holds = symbols_at(found.whole, found.boundary, bound, layout)
         held = order[holds[order]]
         inside = held[slice(*_densest(size[held])[:2])]
         held = held[off[held] <= window_of(off[inside])]

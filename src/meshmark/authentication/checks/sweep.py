@@ -37,7 +37,7 @@ _Parts = list[tuple[Rings, RingShapes]]
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Sweep:
-    """found: (c,) the candidates tried; read: what they say; nonce: the model's id, as given or as they tell.
+    """found: (c,) the candidates tried; read: what they say; nonce: the model's id, given or reported.
 
     able: (p,) points whose ring could carry a mark. rounded: the file was rounded to few digits.
     """
@@ -54,10 +54,11 @@ def sweep(
     parts: _Parts,
     setting: Setting,
     key: Key,
+    *,
     nonce: int | None,
     payload: SymbolSource | None = None,
 ) -> Sweep | None:
-    """Return what the rings of points (p, 3) say, None where no model's id is given or told.
+    """Return what the rings of points (p, 3) say, None where no model's id is given or reported.
 
     A mark's plain reading may be off where a length was rounded across a boundary: then its ring has no voucher.
     So all ways are tried for points without a voucher and for those next to them, which are few in an intact model.
@@ -69,33 +70,35 @@ def sweep(
     subkey = key.subkey(PURPOSE)
     found = joined([plain_candidates(points, *part, setting, subkey) for part in parts])
     held = np.zeros(len(points), bool)
-    told = _told(found, key, setting) if nonce is None else nonce
-    if told is not None:
-        read = read_marks(found, key, setting.layout, told, payload)
-        held[found.vertex[read.holds & ~read.torn]] = True
+    identity = _reported_id(found, key, setting) if nonce is None else nonce
+    if identity is not None:
+        read = read_marks(found, key, setting.layout, identity, payload)
+        held[found.vertex[read.holds & ~read.new_boundary]] = True
     again = _around(parts, able & ~vouched(parts, held))
-    if told is None or again.any():
+    if identity is None or again.any():
         rest = [
             all_candidates(points, group.take(rows), shape.take(rows), setting, subkey)
             for group, shape in parts
             for rows in [np.flatnonzero(again[group.vertex])]
         ]
         found = joined([found.take(~again[found.vertex]), *rest])
-        told = _told(found, key, setting) if nonce is None else nonce
-        if told is None:
+        identity = _reported_id(found, key, setting) if nonce is None else nonce
+        if identity is None:
             return None
-        read = read_marks(found, key, setting.layout, told, payload)
+        read = read_marks(found, key, setting.layout, identity, payload)
     rounded = bool(read.holds.any() and np.median(read.off[read.holds]) > _ROUNDED)
     if rounded:
         held[:] = False
-        held[found.vertex[read.holds & ~read.torn]] = True
+        held[found.vertex[read.holds & ~read.new_boundary]] = True
         again = _around(parts, able & ~vouched(parts, held))
         first = len(found.vertex)
         found = joined([found, beside(found.take(again[found.vertex]), _NEAR)])
-        read = read_marks(found, key, setting.layout, told, payload)
-        lucky = read.torn & (np.arange(len(found.vertex)) >= first)  # so many tries would make holes
-        read = replace(read, holds=read.holds & ~lucky, torn=read.torn & ~lucky)
-    return Sweep(found=found, read=read, nonce=told, able=able, rounded=rounded)
+        read = read_marks(found, key, setting.layout, identity, payload)
+        lucky = read.new_boundary & (
+            np.arange(len(found.vertex)) >= first
+        )  # this many tries would make holes
+        read = replace(read, holds=read.holds & ~lucky, new_boundary=read.new_boundary & ~lucky)
+    return Sweep(found=found, read=read, nonce=identity, able=able, rounded=rounded)
 
 
 def _able(shape: RingShapes, setting: Setting) -> NDArray[np.bool_]:
@@ -125,8 +128,8 @@ def _around(parts: _Parts, chosen: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return around
 
 
-def _told(found: Candidates, key: Key, setting: Setting) -> int | None:
-    """Return the model's id as the marks tell it."""
+def _reported_id(found: Candidates, key: Key, setting: Setting) -> int | None:
+    """Return the model's id as the marks report it."""
     header = found.take(found.kind == HEADER)
     read = read_marks(header, key, setting.layout, None)
     return read_header(header.index[read.holds], read.symbol[read.holds], setting.layout.symbol)

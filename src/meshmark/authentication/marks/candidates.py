@@ -49,7 +49,7 @@ __all__ = [
 HEADER, PLACE, PAYLOAD = 0, 1, 2
 """What the symbol of a mark is: a piece of the model's id, the mark's place, or a symbol of the payload."""
 _TINY: Final = 1e-300
-# Of 32 marks so many carry the id, and so many their place.
+# Number of marks in 32 that carry the id, and that carry their place.
 _HEADERS: Final = 3
 _PLACES: Final = 2
 # Lengths such as 1 and 2, which regular rings have, must not lie on a rounding boundary.
@@ -63,8 +63,8 @@ class Candidates:
     vertex: (c,) the middle points. level: (c,) of the step; step: (c,) in scene units. axes: (c, 3, 3) rows.
     centre: (c, 3) the mean of the ring. kind: (c,) HEADER, PLACE or PAYLOAD; index: (c,) uint32 of the symbol.
     words: (c, 7) uint64, the ring's keyed numbers. place: (c, 3) of the point in its ring, in steps, less the
-    dither: a mark has whole numbers here; whole: (c, 3) those that are tried. rim: (c,) a bit for each neighbour
-    that is on a boundary, in the ring's order.
+    dither: a mark has whole numbers here; whole: (c, 3) those that are tried. boundary: (c,) a bit for each
+    neighbour that is on a boundary, in the ring's order.
     """
 
     vertex: IntArray
@@ -77,7 +77,7 @@ class Candidates:
     words: NDArray[np.uint64]
     place: FloatArray
     whole: IntArray
-    rim: IntArray
+    boundary: IntArray
 
     def take(self, rows: IntArray | NDArray[np.bool_]) -> Candidates:
         """Return these rows."""
@@ -169,7 +169,7 @@ def candidates(
     kind = (words[:, 0] >> np.uint64(59)).astype(np.int64)
     kind = np.where(kind < _HEADERS, HEADER, np.where(kind < _HEADERS + _PLACES, PLACE, PAYLOAD))
     index = (words[:, 0] & np.uint64(0xFFFFFFFF)).astype(np.uint32)
-    rim = rings.rim[row[:, None], order] @ (1 << np.arange(size))
+    boundary = rings.boundary[row[:, None], order] @ (1 << np.arange(size))
     return Candidates(
         vertex,
         level[row],
@@ -181,7 +181,7 @@ def candidates(
         words,
         place,
         np.round(place).astype(np.int64),
-        rim,
+        boundary,
     )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import sqrt
 
 import numpy as np
@@ -22,7 +22,8 @@ from meshmark.authentication.marks.candidates import (
 )
 from meshmark.authentication.marks.independent_points import independent_points
 from meshmark.authentication.marks.ring_shapes import RingShapes, ring_shapes
-from meshmark.authentication.marks.rings import Rings, ordered_rings
+from meshmark.authentication.marks.rings import Rings
+from meshmark.authentication.marks.rings_of import rings_of
 from meshmark.authentication.marks.symbols import covers_id, header_symbols, place_symbols
 from meshmark.authentication.marks.words import PURPOSE, bind, places_of, words_of
 from meshmark.authentication.parameters import (
@@ -37,8 +38,8 @@ from meshmark.authentication.parameters import (
 from meshmark.coding.keyed import keyed_words, unit_interval
 from meshmark.coding.keys import Key
 from meshmark.errors import CapacityError, InputError
-from meshmark.geometry.adjacency import adjacency, unique_edges
-from meshmark.geometry.weld import Welded
+from meshmark.geometry.connectivity import Connectivity
+from meshmark.geometry.surface import Surface
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["Marked", "Plan", "SymbolSource", "mark", "plan"]
@@ -53,20 +54,26 @@ SymbolSource = Callable[[NDArray[np.uint32]], NDArray[np.uint16]]
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Plan:
-    """What a surface can carry.
+    """What a surface can carry; `mark` writes it.
 
-    marks: (m,) the points that carry marks. payload_marks: how many of them carry payload.
-    payload_index: (payload_marks,) uint32 of their symbols; rings that are alike share one.
-    layout: bits per mark. unit: smallest step, in scene units. covered: share of the points that faces use
-    which are marks or in the ring of one, 0 to 1. tells_id: the marks carry every piece of the model's id.
+    surface: that is to be marked. found: the m marks as their rings read before. payload_index: (payload_marks,)
+    uint32 of the payload symbols; rings that are alike share one. layout: bits per mark. unit: smallest step, in
+    scene units. covered: share of the points that faces use which are marks or in the ring of one, 0 to 1.
+    carries_id: the marks carry every piece of the model's id.
     """
 
-    marks: IntArray
+    surface: Surface = field(repr=False)
+    found: Candidates = field(repr=False)
     payload_index: NDArray[np.uint32]
     layout: Layout
     unit: float
     covered: float
-    tells_id: bool
+    carries_id: bool
+
+    @property
+    def marks(self) -> IntArray:
+        """Return the points that carry marks (m,)."""
+        return self.found.vertex
 
     @property
     def symbol_bits(self) -> int:
@@ -94,56 +101,35 @@ class Marked:
     step: float
 
 
-def plan(surface: Welded, key: Key, precision: float, choice: int = 0) -> Plan:
-    """Choose the marks and their size, for coordinates that may be off by up to `precision` (scene units).
+def plan(surface: Surface, key: Key, precision: float, choice: int = 0) -> Plan:
+    """Choose the marks of a surface and their size.
 
-    choice: another number gives other marks. Raises `InputError` for a precision that is not a positive number,
-    `CapacityError` where the surface has too few rings that are large enough.
+    Parameters
+    ----------
+    surface : Surface
+    key : Key
+    precision : float
+        By how much coordinates may be off, in scene units.
+    choice : int
+        Another number gives other marks.
+
+    Returns
+    -------
+    Plan
+
+    Raises
+    ------
+    InputError
+        The precision is not a positive number.
+    CapacityError
+        The surface has too few rings that are large enough.
     """
-    plan, _ = _prepared(surface, key, precision, choice)
-    return plan
-
-
-def mark(
-    surface: Welded, key: Key, nonce: int, symbols: SymbolSource, precision: float, *, choice: int = 0
-) -> Marked:
-    """Return the surface with marks that are bound to the key, the nonce (the model's id) and the place.
-
-    symbols: the payload's symbols for indices, (m,) uint32 -> (m,) uint16. Raises as `plan` does.
-    """
-    if not 0 <= nonce < 1 << 64:
-        raise InputError("the model's id is out of range, expected a number of 64 bits")
-    chosen, found = _prepared(surface, key, precision, choice)
-    layout = chosen.layout
-    symbol = np.zeros(len(found.vertex), np.int64)
-    header, place, payload = (found.kind == kind for kind in (HEADER, PLACE, PAYLOAD))
-    symbol[header] = header_symbols(found.index[header], nonce, layout.symbol)
-    symbol[place] = place_symbols(found.take(place), _frame(surface), layout.symbol)
-    symbol[payload] = symbols(found.index[payload])
-    if symbol.max(initial=0) >> layout.symbol:
-        raise InputError(f"a payload symbol is out of range, expected {layout.symbol} bits")
-    words = words_of(symbol, found.rim, bind(found, key, nonce), layout)
-    change = places_of(words, found.place, layout) - found.place
-    points = surface.points.copy()
-    points[found.vertex] += np.einsum("rj,rji->ri", change * found.step[:, None], found.axes)
-    return Marked(
-        points=points,
-        count=len(found.vertex),
-        bits_per_mark=layout.bits,
-        symbol_bits=layout.symbol,
-        step=chosen.unit,
-    )
-
-
-def _prepared(surface: Welded, key: Key, precision: float, choice: int) -> tuple[Plan, Candidates]:
     if not (np.isfinite(precision) and precision > 0.0):
         raise InputError(f"a precision of {precision:g} is out of range, expected a number above 0")
     points = surface.points
     unit = UNIT * precision
     radius = _frame(surface)[1]
-    rings = ordered_rings(surface.faces, len(points))
-    shapes = [ring_shapes(points, group) for group in rings]
-    parts = list(zip(rings, shapes, strict=True))
+    parts = [(rings, ring_shapes(points, rings)) for rings in rings_of(surface)]
     purpose = "authentication choice of marks" + (f" {choice}" if choice else "")
     chance = unit_interval(keyed_words(key.subkey(purpose), len(points)))
     levels = _room(len(points), parts, unit)
@@ -156,21 +142,76 @@ def _prepared(surface: Welded, key: Key, precision: float, choice: int) -> tuple
             allowed = levels >= layout.levels
             if allowed.sum() < enough or _rms(parts, allowed, unit, layout) * sqrt(_MARK_SHARE) > most:
                 continue
-            chosen = _firm_first(surface.faces, allowed, firm, chance)
+            chosen = _firm_first(surface.connectivity, allowed, firm, chance)
             if _rms(parts, chosen, unit, layout) <= most:
-                return _plan(points, parts, chosen, unit, layout, key)
+                found = _found(points, parts, chosen, unit, key)
+                return Plan(
+                    surface=surface,
+                    found=found,
+                    payload_index=found.index[found.kind == PAYLOAD],
+                    layout=layout,
+                    unit=unit,
+                    covered=_covered(parts, chosen),
+                    carries_id=covers_id(found.index[found.kind == HEADER], layout.symbol),
+                )
     raise CapacityError(
         "the precision of the file is too coarse for invisible marks of authentication, expected more digits"
     )
 
 
-_Parts = list[tuple[Rings, RingShapes]]
+def mark(plan: Plan, key: Key, nonce: int, symbols: SymbolSource) -> Marked:
+    """Return a surface with the marks that were planned, bound to the key, the nonce and the place.
+
+    Parameters
+    ----------
+    plan : Plan
+        Made with the same key.
+    key : Key
+    nonce : int
+        The model's 64-bit id.
+    symbols : callable
+        The payload's symbols for indices, (m,) uint32 -> (m,) uint16.
+
+    Returns
+    -------
+    Marked
+
+    Raises
+    ------
+    InputError
+        The id or a symbol is out of range.
+    """
+    if not 0 <= nonce < 1 << 64:
+        raise InputError("the model's id is out of range, expected a number of 64 bits")
+    surface, found, layout = plan.surface, plan.found, plan.layout
+    symbol = np.zeros(len(found.vertex), np.int64)
+    header, place, payload = (found.kind == kind for kind in (HEADER, PLACE, PAYLOAD))
+    symbol[header] = header_symbols(found.index[header], nonce, layout.symbol)
+    symbol[place] = place_symbols(found.take(place), _frame(surface), layout.symbol)
+    symbol[payload] = symbols(found.index[payload])
+    if symbol.max(initial=0) >> layout.symbol:
+        raise InputError(f"a payload symbol is out of range, expected {layout.symbol} bits")
+    words = words_of(symbol, found.boundary, bind(found, key, nonce), layout)
+    change = places_of(words, found.place, layout) - found.place
+    points = surface.points.copy()
+    points[found.vertex] += np.einsum("rj,rji->ri", change * found.step[:, None], found.axes)
+    return Marked(
+        points=points,
+        count=len(found.vertex),
+        bits_per_mark=layout.bits,
+        symbol_bits=layout.symbol,
+        step=plan.unit,
+    )
+
+
+_Part = tuple[Rings, RingShapes]
+_Parts = list[_Part]
 
 
 def _firm(points: FloatArray, parts: _Parts) -> NDArray[np.bool_]:
     """Return (p,): the points that do not lie so far from the middle of a needle ring that its turning moves them.
 
-    What else an error does to a mark's place the ring alone tells (`RingShapes.spread`).
+    What else an error does to a mark's place depends on the ring alone (`RingShapes.spread`).
     """
     firm = np.ones(len(points), bool)
     for group, shape in parts:
@@ -180,36 +221,24 @@ def _firm(points: FloatArray, parts: _Parts) -> NDArray[np.bool_]:
 
 
 def _firm_first(
-    faces: IntArray, allowed: NDArray[np.bool_], firm: NDArray[np.bool_], chance: FloatArray
+    connectivity: Connectivity, allowed: NDArray[np.bool_], firm: NDArray[np.bool_], chance: FloatArray
 ) -> NDArray[np.bool_]:
     """Return (p,): a maximal set of `allowed` (p,) points without neighbours in it, `firm` (p,) ones first."""
-    chosen = independent_points(faces, allowed & firm, chance)
+    chosen = independent_points(connectivity.edges, allowed & firm, chance)
     if (allowed & ~firm).any():
-        graph = adjacency(unique_edges(faces), len(allowed))
-        free = allowed & ~chosen & ~(graph @ chosen.astype(np.float64) > 0.0)
-        chosen |= independent_points(faces, free, chance)
+        free = allowed & ~chosen & ~(connectivity.graph @ chosen.astype(np.float64) > 0.0)
+        chosen |= independent_points(connectivity.edges, free, chance)
     return chosen
 
 
-def _plan(
-    points: FloatArray, parts: _Parts, chosen: NDArray[np.bool_], unit: float, layout: Layout, key: Key
-) -> tuple[Plan, Candidates]:
+def _found(points: FloatArray, parts: _Parts, chosen: NDArray[np.bool_], unit: float, key: Key) -> Candidates:
+    """Return the plain readings of the chosen (p,) points."""
     if chosen.sum() < MARKS_NEEDED:
         raise CapacityError(
             f"the model has room for {int(chosen.sum())} marks of authentication, needs {MARKS_NEEDED}; "
             "it has too few points, or too fine ones for the precision of its file"
         )
-    found = joined([_plain(points, *part, chosen, unit, key) for part in parts])
-    payload = found.index[found.kind == PAYLOAD]
-    tells = covers_id(found.index[found.kind == HEADER], layout.symbol)
-    return Plan(
-        marks=found.vertex,
-        payload_index=payload,
-        layout=layout,
-        unit=unit,
-        covered=_covered(parts, chosen),
-        tells_id=tells,
-    ), found
+    return joined([_plain(points, part, chosen, unit, key) for part in parts])
 
 
 def _covered(parts: _Parts, chosen: NDArray[np.bool_]) -> float:
@@ -237,20 +266,17 @@ def _rms(parts: _Parts, chosen: NDArray[np.bool_], unit: float, layout: Layout) 
     return layout.levels * sqrt(square * 3.0 / 12.0 / len(chosen))
 
 
-def _plain(
-    points: FloatArray, rings: Rings, shapes: RingShapes, chosen: NDArray[np.bool_], unit: float, key: Key
-) -> Candidates:
+def _plain(points: FloatArray, part: _Part, chosen: NDArray[np.bool_], unit: float, key: Key) -> Candidates:
+    rings, shapes = part
     rows = np.flatnonzero(chosen[rings.vertex])
     shapes = shapes.take(rows)
     level = np.floor(level_of(shapes, unit)).astype(np.int64)
     return candidates(points, rings.take(rows), shapes, level, key.subkey(PURPOSE), all_ways=False)
 
 
-def _frame(surface: Welded) -> tuple[FloatArray, float]:
+def _frame(surface: Surface) -> tuple[FloatArray, float]:
     """Return the middle and half the diagonal of the box around the points that faces use."""
-    used = np.zeros(len(surface.points), bool)
-    used[surface.faces] = True
-    if not used.any():
+    if not surface.used.any():
         raise CapacityError("the model has no faces, which marks of authentication need")
-    low, high = surface.points[used].min(axis=0), surface.points[used].max(axis=0)
-    return (low + high) / 2.0, float(np.linalg.norm(high - low)) / 2.0
+    used = surface.points[surface.used]
+    return (used.min(axis=0) + used.max(axis=0)) / 2.0, surface.diagonal / 2.0

@@ -11,31 +11,29 @@ from meshmark.authentication.marks.precision import Precision, precisions_of
 from meshmark.authentication.payload.payload import capacity
 from meshmark.coding.keys import Key
 from meshmark.errors import CapacityError
+from meshmark.geometry.surface_of import surface_of, surface_of_moved
 from meshmark.geometry.together import together
-from meshmark.geometry.weld import Welded, weld
 from meshmark.io.save import conform
 from meshmark.mesh import Mesh
 
 __all__ = ["Planned", "plans"]
 
-# Marks for a coarser precision are taken where they cover so much of the points, or of what the finer ones do.
+# Marks for a coarser precision are taken where they cover this share of the points, or of what the finer ones do.
 _COVERED = 0.9
-# Points may become one by rounding where they are nearer than so many errors of a coordinate: 2 sqrt 3 of them, by
+# Points may become one by rounding where they are nearer than this number of errors of a coordinate: 2 sqrt 3, by
 # the errors of both.
 _NEAR = 3.5
-# Marks that are not borne are made anew for so many times the error.
+# Marks that do not hold are made anew for the error times each of these factors.
 _COARSER = (1.2, 1.45)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Planned:
-    """What to mark: a mesh of which points that rounding may make one are one already, and its surface; and how."""
+    """What to mark and how: a mesh of which points that rounding may make one are one already, and its plan."""
 
     mesh: Mesh
-    surface: Welded
     plan: Plan
     precision: Precision
-    choice: int = 0
 
 
 def plans(mesh: Mesh, key: Key, tolerance: str | None) -> Iterator[Planned]:
@@ -63,7 +61,7 @@ def _by_precision(mesh: Mesh, key: Key, tolerance: str | None) -> Iterator[Plann
             refusal = error
             continue
         room = 8 * capacity(found.plan.payload_marks, found.plan.symbol_bits)
-        if room < precision.enough * len(found.surface.points):
+        if room < precision.enough * len(found.plan.surface.points):
             continue
         waiting.append(found)
         enough = enough or found.plan.covered >= _COVERED
@@ -82,9 +80,9 @@ def _covering(waiting: list[Planned]) -> list[Planned]:
 
 
 def _planned(mesh: Mesh, key: Key, precision: Precision) -> Planned:
-    surface = weld(mesh)
+    surface, before = surface_of(mesh), mesh
     placed = together(surface.points, _NEAR * precision.error)
     if (placed != surface.points).any():
         mesh = mesh.with_vertices(conform(mesh, placed[surface.point_of_vertex]))
-        surface = weld(mesh)
-    return Planned(mesh=mesh, surface=surface, plan=plan(surface, key, precision.error), precision=precision)
+        surface = surface_of_moved(mesh, before)
+    return Planned(mesh=mesh, plan=plan(surface, key, precision.error), precision=precision)

@@ -21,7 +21,7 @@ _DECIMALS = 0.5e-6
 _FLOAT32 = 2.0**-24
 # Half the step of a grid of 16 bits, over the longest side.
 _GRID = 2.0**-17
-# Rounding to six significant digits may be so many times what a step is made for, at all but this share of the
+# Rounding to six significant digits may be this number of times what a step is made for, at this share of the
 # vertices: half a step is 5.7 deviations of the error, and in rounded files a mark is found up to a whole step off.
 _FELT, _MOST = 2.0, 0.95
 

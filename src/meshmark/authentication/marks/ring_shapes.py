@@ -1,7 +1,7 @@
 """Where a point lies in the frame of its ring, and how firmly the ring holds that frame.
 
-All is invariant to similarity transforms and to the order of points and faces (design.md, section 7). The ring alone
-makes the frame: a ring that stays, while its middle point moves, gives the same frame again.
+All is invariant to similarity transforms and to the order of points and faces (docs/design.md, section 7). The ring
+alone makes the frame: a ring that stays, while its middle point moves, gives the same frame again.
 """
 
 from __future__ import annotations

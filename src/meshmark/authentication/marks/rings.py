@@ -21,18 +21,21 @@ class Rings:
 
     vertex: (r,) point indices. around: (r, k) the neighbours, counter-clockwise seen from outside; of a point on a
     boundary from the first to the last, of any other from any of them. open: (r,) whether it is on a boundary.
-    rim: (r, k) whether each neighbour is on a boundary, or where surfaces meet in no single fan.
+    boundary: (r, k) whether each neighbour is on a boundary, or where surfaces meet in no single fan.
     """
 
     vertex: IntArray
     around: IntArray
     open: NDArray[np.bool_]
-    rim: NDArray[np.bool_]
+    boundary: NDArray[np.bool_]
 
     def take(self, rows: IntArray | NDArray[np.bool_]) -> Rings:
         """Return these rows."""
         return Rings(
-            vertex=self.vertex[rows], around=self.around[rows], open=self.open[rows], rim=self.rim[rows]
+            vertex=self.vertex[rows],
+            around=self.around[rows],
+            open=self.open[rows],
+            boundary=self.boundary[rows],
         )
 
 
@@ -54,14 +57,16 @@ def ordered_rings(faces: IntArray, count: int) -> list[Rings]:
     first = np.full(count, -1)
     first[centre] = np.arange(len(centre))
     first[centre[~has_previous]] = np.flatnonzero(~has_previous)
-    rim = ~(good & (ends == 0))
+    boundary = ~(good & (ends == 0))
     rings = []
     for size in range(SMALLEST, LARGEST + 1):
         vertex = np.flatnonzero(good & (corners + ends == size))
         if len(vertex):
-            around, whole = _walk(first[vertex], following, start, end, ends[vertex] == 1, size)
+            around, whole = _walk(first[vertex], following, start, end, ends[vertex] == 1, size=size)
             vertex, around = vertex[whole], around[whole]
-            rings.append(Rings(vertex=vertex, around=around, open=ends[vertex] == 1, rim=rim[around]))
+            rings.append(
+                Rings(vertex=vertex, around=around, open=ends[vertex] == 1, boundary=boundary[around])
+            )
     return [group for group in rings if len(group.vertex)]
 
 
@@ -88,6 +93,7 @@ def _walk(
     start: IntArray,
     end: IntArray,
     is_open: NDArray[np.bool_],
+    *,
     size: int,
 ) -> tuple[IntArray, NDArray[np.bool_]]:
     """Return the rings (r, size) that begin at corners `first` (r,), and which of them have no other fan."""

@@ -23,12 +23,12 @@ def header_symbols(index: NDArray[np.uint32], nonce: int, symbol_bits: int) -> I
 
 
 def read_header(index: NDArray[np.uint32], symbols: IntArray, symbol_bits: int) -> int | None:
-    """Return the id that the most symbols (c,) of each piece tell, None where a piece has none."""
+    """Return the id that most symbols (c,) of each piece report, None where a piece has none."""
     width = _width(symbol_bits)
     piece = index.astype(np.int64) % (ID_BITS // width)
     votes = np.zeros((ID_BITS // width, 1 << width), np.int64)
-    known = symbols < 1 << width
-    np.add.at(votes, (piece[known], symbols[known]), 1)
+    in_range = symbols < 1 << width
+    np.add.at(votes, (piece[in_range], symbols[in_range]), 1)
     if not votes.any(axis=1).all():
         return None
     return sum(int(value) << width * place for place, value in enumerate(votes.argmax(axis=1)))

@@ -37,11 +37,11 @@ def bind(found: Candidates, key: Key, nonce: int | None) -> NDArray[np.uint64]:
 
 
 def words_of(
-    symbols: IntArray, rim: IntArray, bound: NDArray[np.uint64], layout: Layout
+    symbols: IntArray, boundary: IntArray, bound: NDArray[np.uint64], layout: Layout
 ) -> NDArray[np.uint64]:
-    """Return the masked words (c,) of symbols (c,) in rings of which `rim` (c,) is on a boundary."""
+    """Return the masked words (c,) of symbols (c,) in rings of which `boundary` (c,) is on a boundary."""
     symbol = symbols.astype(np.uint64)
-    word = (symbol << np.uint64(layout.check)) | _mac(symbol, rim, bound, layout)
+    word = (symbol << np.uint64(layout.check)) | _mac(symbol, boundary, bound, layout)
     return word ^ _mask(bound, layout)
 
 
@@ -52,21 +52,21 @@ def places_of(words: NDArray[np.uint64], place: FloatArray, layout: Layout) -> I
 
 
 def symbols_at(
-    places: IntArray, rim: IntArray, bound: NDArray[np.uint64], layout: Layout
+    places: IntArray, boundary: IntArray, bound: NDArray[np.uint64], layout: Layout
 ) -> tuple[IntArray, NDArray[np.bool_]]:
     """Return the symbols (c,) that whole places (c, 3) say, and whether their MAC holds."""
     word = places % layout.levels @ layout.levels ** np.arange(3)
     inside = word < 1 << layout.bits
     plain = np.where(inside, word, 0).astype(np.uint64) ^ _mask(bound, layout)
     symbol = plain >> np.uint64(layout.check)
-    holds = plain & np.uint64((1 << layout.check) - 1) == _mac(symbol, rim, bound, layout)
+    holds = plain & np.uint64((1 << layout.check) - 1) == _mac(symbol, boundary, bound, layout)
     return symbol.astype(np.int64), inside & holds
 
 
 def _mac(
-    symbol: NDArray[np.uint64], rim: IntArray, bound: NDArray[np.uint64], layout: Layout
+    symbol: NDArray[np.uint64], boundary: IntArray, bound: NDArray[np.uint64], layout: Layout
 ) -> NDArray[np.uint64]:
-    text = symbol | rim.astype(np.uint64) << np.uint64(16)
+    text = symbol | boundary.astype(np.uint64) << np.uint64(16)
     mixed = bound[:, 0] * (text + np.uint64(1)) + bound[:, 1]
     return np.asarray(mixed, np.uint64) >> np.uint64(64 - layout.check)
 

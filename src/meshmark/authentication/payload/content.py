@@ -9,7 +9,7 @@ from pathlib import Path
 from meshmark.authentication.payload.payload import INTACT, capacity, pack
 from meshmark.authentication.payload.signed_totals import Whole
 from meshmark.errors import CapacityError, InputError
-from meshmark.geometry.weld import Welded
+from meshmark.geometry.surface import Surface
 from meshmark.recovery.miniature import miniature
 
 __all__ = ["Asked", "Content", "content_for", "content_of"]
@@ -52,9 +52,9 @@ def content_of(payload: Content) -> Asked:
 
 
 def content_for(
-    asked: Asked, surface: Welded, whole: Whole, symbols: int, symbol_bits: int
+    asked: Asked, surface: Surface, whole: Whole, symbols: int, symbol_bits: int
 ) -> tuple[bytes, tuple[str, ...]]:
-    """Return the packed payload for so many marks with different symbols, and remarks about it.
+    """Return the packed payload for `symbols` marks with different symbols, and remarks about it.
 
     surface: of a miniature; whole: what is signed off. Raises `CapacityError` where what was asked for does not
     fit; where it is a miniature that nobody asked for, a remark says that it is left out.
@@ -62,11 +62,11 @@ def content_for(
     room = max(capacity(symbols, symbol_bits) - whole.more, 0)
     if asked.kind == "any":
         try:
-            return pack("miniature", miniature(surface.points, surface.faces, room), whole), ()
+            return pack("miniature", _miniature(surface, room), whole), ()
         except CapacityError as error:
             return pack("none", whole=whole), (f"{error}: no payload, so altered parts cannot be recovered",)
     if asked.kind == "miniature":
-        return pack("miniature", miniature(surface.points, surface.faces, room), whole), ()
+        return pack("miniature", _miniature(surface, room), whole), ()
     if asked.kind == "none":
         return pack("none", whole=whole), ()
     size = len(asked.content)
@@ -84,6 +84,10 @@ def content_for(
         )
         return pack(asked.kind, asked.content, whole), (remark,)
     return pack(asked.kind, asked.content, whole), ()
+
+
+def _miniature(surface: Surface, room: int) -> bytes:
+    return miniature(surface.points, surface.faces, room, frame=surface.frame)
 
 
 def _fits(size: int, symbols: int, symbol_bits: int, percent: int) -> bool:

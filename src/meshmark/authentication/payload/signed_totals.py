@@ -1,6 +1,6 @@
-"""What was signed off as a whole: how many points and how much surface there were, to tell what is missing.
+"""What was signed off as a whole: how many points and how much surface there were, to find what is missing.
 
-Marks tell what was changed where they are. A part of its own that is gone leaves no trace among the others, and one
+Marks show what was changed where they are. A part of its own that is gone leaves no trace among the others, and one
 that was added, of rings too fine for marks, shows none: but then the numbers do not agree.
 """
 
@@ -12,11 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from meshmark.geometry.adjacency import adjacency, unique_edges
-from meshmark.geometry.areas import face_areas
 from meshmark.geometry.components import connected_components
 from meshmark.geometry.shown import Shown, times_of
-from meshmark.geometry.weld import Welded
+from meshmark.geometry.surface import Surface
 from meshmark.scene.distinct import Distinct
 
 __all__ = [
@@ -26,7 +24,6 @@ __all__ = [
     "points_distinct",
     "points_shown",
     "unmarked_parts",
-    "used_points",
     "whole_of",
 ]
 
@@ -34,8 +31,8 @@ _FORM, _MORE = struct.Struct("<If"), struct.Struct("<I")
 SIZE = _FORM.size
 """Bytes of a packed `Whole`."""
 COPIES = _MORE.size
-"""And so many more of a model that shows copies."""
-# Points that are nearer to each other than so many errors of a coordinate may become one.
+"""Further bytes for a model that shows copies."""
+# Points that are nearer to each other than this number of errors of a coordinate may become one.
 _APART = 20.0
 
 
@@ -67,17 +64,15 @@ class Whole:
         return Whole(*_FORM.unpack(packed[:SIZE]), *more)
 
 
-def whole_of(surface: Welded, precision: float, scene: Distinct | None = None) -> Whole:
+def whole_of(surface: Surface, precision: float, scene: Distinct | None = None) -> Whole:
     """Return the numbers of a surface; points are not counted where rounding may make two of them one.
 
     scene: of which the surface is that without copies.
     """
-    used = used_points(surface)
-    edges = unique_edges(surface.faces)
+    used, edges = surface.used, surface.edges
     steps = surface.points[edges[:, 0]] - surface.points[edges[:, 1]]
     apart = bool((np.einsum("ij,ij->i", steps, steps) > (_APART * precision) ** 2).all())
-    half = 0.5 * float(np.linalg.norm(np.ptp(surface.points[used], axis=0)))
-    areas = face_areas(surface.points, surface.faces)
+    half, areas = 0.5 * surface.diagonal, surface.face_areas
     if scene is None:
         return Whole(int(used.sum()) if apart else 0, float(areas.sum()) / half**2)
     times = scene.shown(surface)
@@ -85,28 +80,19 @@ def whole_of(surface: Welded, precision: float, scene: Distinct | None = None) -
     return Whole(int(times[used].sum()) if apart else 0, area / half**2, int(used.sum()))
 
 
-def used_points(surface: Welded) -> NDArray[np.bool_]:
-    """Return (p,): the points that faces use."""
-    used = np.zeros(len(surface.points), bool)
-    used[surface.faces] = True
-    return used
-
-
-def points_shown(surface: Welded) -> int:
+def points_shown(surface: Surface) -> int:
     """Return how many points that faces use a scene shows, copies counted."""
-    return int(times_of(surface)[used_points(surface)].sum())
+    return int(times_of(surface)[surface.used].sum())
 
 
 def points_distinct(surface: Shown) -> int:
     """Return how many points that faces use are no copies."""
-    used = used_points(surface)
-    return int((used & (surface.original == np.arange(len(used)))).sum())
+    return int((surface.used & (surface.original == np.arange(len(surface.points)))).sum())
 
 
-def unmarked_parts(surface: Welded, verified: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def unmarked_parts(surface: Surface, verified: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Return (p,): the points of connected parts of which no point is `verified` (p,)."""
-    graph = adjacency(unique_edges(surface.faces), len(surface.points))
-    part = connected_components(graph)[1]
+    part = connected_components(surface.graph)[1]
     marked = np.zeros(int(part.max(initial=-1)) + 1, bool)
     marked[part[verified]] = True
-    return np.asarray(~marked[part] & used_points(surface))
+    return np.asarray(~marked[part] & surface.used)

@@ -14,7 +14,7 @@ from meshmark.mesh import FloatArray
 __all__ = ["Region", "judge_regions"]
 
 
-# So many failed checks of an altered part that lies mostly elsewhere say nothing.
+# Number of failed checks, of an altered part that lies mostly elsewhere, that say nothing.
 _SPILT = 1
 
 
@@ -23,7 +23,7 @@ class Region:
     """One region of the map.
 
     id: its number in the map; verdict: "intact", "altered" or "unchecked" (no ring large enough for a mark);
-    probability: that it was altered, 0 to 1. log10_chance: bound on that of at least so many failed checks in an
+    probability: that it was altered, 0 to 1. log10_chance: bound on that of at least as many failed checks in an
     intact region. checks: points whose ring could carry a mark; failed: those that are altered. centre: (x, y, z)
     of what is altered in it, else of all of it; where: that place in words.
     """

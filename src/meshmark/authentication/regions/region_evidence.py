@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_array
 
 from meshmark.authentication.checks.checks import Checks
-from meshmark.geometry.adjacency import adjacency, unique_edges
 from meshmark.geometry.components import connected_components
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.segmentation.map_segmentation import Regions
@@ -29,9 +29,9 @@ FEATURES = (
 )
 """Inputs of the classifier, for each half of each region."""
 
-# Of the checks of an intact region so many may fail, for the sake of altered neighbours across its border.
+# Share of the checks of an intact region that may fail because of altered neighbours across its border.
 _SPILL = 0.02
-# Checks of neighbours share marks: so many fail together.
+# Checks of neighbours share marks: this number of them fails together.
 _TOGETHER = 4.0
 _LARGEST = 30.0
 
@@ -40,8 +40,8 @@ _LARGEST = 30.0
 class RegionEvidence:
     """Of n regions; the rows of two columns are the top (green) and the bottom (blue) half.
 
-    checks, failed: (n, 2) points that could be told, and those of them that are altered. log10_chance: (n, 2) of at
-    least so many failed checks in an intact half. home: (n,) whether an altered part lies mostly in the region.
+    checks, failed: (n, 2) points that could be checked, and those of them that are altered. log10_chance: (n, 2) of
+    at least as many failed checks in an intact half. home: (n,) whether an altered part lies mostly in the region.
     features: (n, 2, 10), see `FEATURES`.
     """
 
@@ -53,22 +53,37 @@ class RegionEvidence:
 
 
 def region_evidence(
-    faces: IntArray, regions: Regions, checks: Checks, altered: NDArray[np.bool_]
+    graph: csr_array, regions: Regions, checks: Checks, altered: NDArray[np.bool_]
 ) -> RegionEvidence:
-    """Return the evidence of the regions; faces (m, 3), altered (p,) points as the map shows them."""
+    """Return what the checks say of each region.
+
+    Parameters
+    ----------
+    graph : (p, p) sparse matrix
+        The vertex graph of the suspect's surface (`Surface.graph`).
+    regions : Regions
+        Region and half of each point.
+    checks : Checks
+        Which marks hold.
+    altered : (p,) bool array
+        The points that the map shows as altered.
+
+    Returns
+    -------
+    RegionEvidence
+    """
     count = len(regions.green_share)
     cell = 2 * regions.region + ~regions.green  # a half of a region
 
     def tally(points: NDArray[np.bool_]) -> FloatArray:
         return np.bincount(cell[points], minlength=2 * count).astype(float)
 
-    graph = adjacency(unique_edges(faces), len(altered))
     checked = checks.eligible | checks.verified
     bare = checks.eligible & ~checks.verified
     deep = bare & ~(np.asarray(graph @ checks.verified.astype(float)) > 0.0)
     total, failed = tally(checked), tally(checked & altered)
     chance = _log10_tail(np.ceil(failed / _TOGETHER), np.ceil(total / _TOGETHER))
-    held, size = _parts_by_cell(faces, altered, cell, 2 * count)
+    held, size = _parts_by_cell(graph, altered, cell, 2 * count)
     share = failed / np.maximum(total, 1.0)
     marks = tally(checks.passed) / np.maximum(total, 1.0)
     usual = float(np.median(marks[total > 0.0])) if (total > 0.0).any() else 1.0
@@ -98,7 +113,7 @@ def region_evidence(
 
 
 def _log10_tail(failed: FloatArray, checks: FloatArray) -> FloatArray:
-    """Return log10 of the chance (k,) of at least so many failures in so many checks of an intact region."""
+    """Return log10 of the chance (k,) of at least `failed` failures in `checks` checks of an intact region."""
     from scipy.special import betainc
 
     least, rest = np.maximum(failed, 1.0), np.maximum(checks - failed, 0.0) + 1.0
@@ -107,21 +122,20 @@ def _log10_tail(failed: FloatArray, checks: FloatArray) -> FloatArray:
 
 
 def _parts_by_cell(
-    faces: IntArray, altered: NDArray[np.bool_], cell: IntArray, cells: int
+    graph: csr_array, altered: NDArray[np.bool_], cell: IntArray, cells: int
 ) -> tuple[FloatArray, FloatArray]:
     """Return (parts, cells): the points of each connected altered part in each cell, and (parts,) in all."""
     rows = np.flatnonzero(altered)
-    part = connected_parts(faces, altered)[rows]
+    part = connected_parts(graph, altered)[rows]
     held = np.zeros((int(part.max(initial=-1)) + 1, cells))
     np.add.at(held, (part, cell[rows]), 1.0)
     return held, held.sum(axis=1)
 
 
-def connected_parts(faces: IntArray, altered: NDArray[np.bool_]) -> IntArray:
+def connected_parts(graph: csr_array, altered: NDArray[np.bool_]) -> IntArray:
     """Return (p,): which connected altered part each point belongs to, -1 for points that are not altered."""
     rows = np.flatnonzero(altered)
     part = np.full(len(altered), -1)
     if len(rows):
-        graph = adjacency(unique_edges(faces), len(altered))[rows][:, rows]
-        part[rows] = connected_components(graph)[1]
+        part[rows] = connected_components(graph[rows][:, rows])[1]
     return part

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from meshmark.authentication.examination import Examination
 from meshmark.authentication.regions.region import Region, judge_regions
 from meshmark.authentication.regions.region_evidence import region_evidence
-from meshmark.geometry.areas import vertex_areas
 from meshmark.mesh import FloatArray, IntArray, Mesh
 from meshmark.segmentation.analysis import segment
 from meshmark.segmentation.map_segmentation import Regions
@@ -44,7 +43,7 @@ def region_map(mesh: Mesh, found: Examination, altered: NDArray[np.bool_]) -> Re
     Where no mark holds there is nothing to judge: all regions are altered, or none is checked.
     """
     map_ = segment(mesh)
-    points, faces = found.surface.points, found.surface.faces
+    points = found.surface.points
     first = found.surface.vertex_of_point
     regions = Regions(
         region=map_.region[first],
@@ -52,8 +51,8 @@ def region_map(mesh: Mesh, found: Examination, altered: NDArray[np.bool_]) -> Re
         green_share=map_.green_share,
         blue_share=map_.blue_share,
     )
-    centres = _centres(points, vertex_areas(points, faces), regions, altered)
-    judged = judge_regions(region_evidence(faces, regions, found.checks, altered), centres)
+    centres = _centres(points, found.surface.point_areas, regions, altered)
+    judged = judge_regions(region_evidence(found.surface.graph, regions, found.checks, altered), centres)
     if not found.marked:
         called, chance = ("altered", 1.0) if altered.any() else ("unchecked", 0.0)
         judged = tuple(

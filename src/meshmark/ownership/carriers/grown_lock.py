@@ -18,11 +18,11 @@ __all__ = ["MOST_FIRST", "grown", "neighbourhoods"]
 FIRST, GROWTH = 45, 2.2
 # Corrections tried at most in the first cluster and in the others.
 MOST_FIRST, MOST_NEXT = 400_000, 4_000
-# So many corrections of the first cluster are followed, where they stand out by so many standard deviations.
+# Number of corrections of the first cluster that are followed, and the standard deviations by which they stand out.
 KEPT, STANDS_OUT = 5, 5.5
 # On the grid the score is at least about this share of what it is at the top next to it.
 ON_GRID = 0.65
-# Clusters are tried around so many places.
+# Number of places around which clusters are tried.
 PLACES = 40
 RADIUS, NEXT_RADIUS = 2.5, 3.0
 
@@ -58,8 +58,8 @@ def grown(
 
     psi, gradient, expected: as in `LockSearch`; order: (n,) of the cells, those of the first cluster first (see
     `neighbourhoods`); most: corrections tried in the first cluster.
-    `tried` of the result counts what all cells together could tell apart within the radius, so its score is that of
-    the best of so many.
+    `tried` of the result counts the corrections that all cells together could distinguish within the radius; its
+    score is that of the best of them.
     """
     response = gradient * expected
     cluster = order[:FIRST]

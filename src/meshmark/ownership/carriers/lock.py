@@ -1,10 +1,10 @@
 """Lattice lock: the correction under which the cells' offsets lie on the quantiser's points.
 
 The score sum_k cos(psi_k + g_k . y) of doubled phases psi does not depend on the message and peaks at the true
-correction y (design.md, section 4). As exp(i (a + b)) = exp(i a) exp(i b), the scores of all corrections (y1, y2) are
-*one matrix product*, of the waves of all y1 with those of all y2: a million corrections cost a few milliseconds.
-So a grid over a ball in seven or more dimensions is searched whole, with no risk of missing a peak, and only the
-best places are polished.
+correction y (docs/design.md, section 4). As exp(i (a + b)) = exp(i a) exp(i b), the scores of all corrections (y1,
+y2) are *one matrix product*, of the waves of all y1 with those of all y2: a million corrections cost a few
+milliseconds. So a grid over a ball in seven or more dimensions is searched whole, with no risk of missing a peak,
+and only the best places are polished.
 
 Corrections are measured in units of what is expected of them (a standard deviation is 1) along the principal
 directions of the phases' response, so that ill-determined directions get few grid points.
@@ -23,7 +23,7 @@ from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["Lock", "LockSearch", "grid_size"]
 
-# Neighbouring points of the grid differ by so many radians (RMS over cells) in each direction. Half of that in
+# Spacing of the grid in each direction, in radians (RMS over cells). Half of that in
 # seven directions leaves a score of about 0.6 of the peak's.
 GRID = 1.3
 # Grid points at most, where the caller does not say.
@@ -34,7 +34,7 @@ POLISH_STEPS = 8
 # To bound the chance of a maximum that was polished, the ball is thought of as covered by a grid finer by this in
 # each direction, on which the score is within 3 % of its maximum.
 FINER = 4.0
-# Polishing may lead out of the ball, up to so many times its radius.
+# Polishing may lead out of the ball, up to this number of times its radius.
 SLACK = 1.3
 
 

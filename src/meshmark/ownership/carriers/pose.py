@@ -39,7 +39,7 @@ class Pose:
 
 
 def pose_gradient(cells: Cells, lattice: Lattice) -> FloatArray:
-    """Return (n, 7): change of each offset, in spacings, per unit of a small pose (design.md, section 4, lattice lock).
+    """Return (n, 7): change of each offset, in spacings, per unit of a small pose (docs/design.md, section 4).
 
     A patch at p with normal N moves by shift + scale p + turn x p; its offset by the part along N.
     """

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from meshmark.geometry.frame import canonical_frame, frame_alternatives
+from meshmark.geometry.frame import frame_alternatives
 from meshmark.geometry.sampling import plan_samples
 from meshmark.ownership.carriers.pose import Pose
 from meshmark.ownership.carriers.quantisation import lock_score
@@ -27,7 +27,7 @@ __all__ = ["readings_as_it_stands"]
 def readings_as_it_stands(search: Search) -> Iterator[Reading]:
     """Yield a reading for each spacing and frame alternative with enough cells, likeliest first."""
     surface = search.surface
-    frame = canonical_frame(surface.points, surface.faces)
+    frame = surface.frame
     canonical = frame.to_canonical(surface.points)
     rich = 0
     for spacing in search.spacings_for(frame.area):

@@ -15,9 +15,8 @@ from typing import Final
 
 import numpy as np
 
-from meshmark.geometry.adjacency import unique_edges
 from meshmark.geometry.scale_space import random_walk, spectral_filters
-from meshmark.geometry.weld import Welded
+from meshmark.geometry.surface import Surface
 from meshmark.mesh import FloatArray
 
 __all__ = ["Restoration", "Shape", "restorations", "stretched"]
@@ -77,10 +76,10 @@ def stretched(points: FloatArray) -> Restoration:
     )
 
 
-def restorations(surface: Welded) -> Iterator[Restoration]:
+def restorations(surface: Surface) -> Iterator[Restoration]:
     """Yield what may have been before noise or smoothing, likeliest first."""
     yield Restoration(shapes=(Shape(surface.points),))
-    walk = random_walk(surface.points, unique_edges(surface.faces))
+    walk = random_walk(surface.points, surface.edges)
     filters = [_low_pass(t) for t in LOW_PASS] + [_undone(t) for t in UNDONE[1:]]
     centre = surface.points.mean(axis=0)
     filtered = centre + spectral_filters(walk, surface.points - centre, filters)

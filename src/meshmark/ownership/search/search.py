@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from meshmark.certificate.certificate import Certificate
 from meshmark.coding.keys import Key
-from meshmark.geometry.weld import Welded
+from meshmark.geometry.surface import Surface
 from meshmark.mesh import Mesh
 from meshmark.ownership.carriers.lattice import Lattice
 from meshmark.ownership.parameters import preferred_spacings
@@ -29,12 +29,12 @@ class Search:
     of the mark or the unmarked original. trials: numbers every reading of this search.
     """
 
-    surface: Welded
+    surface: Surface
     key: Key
     effort: str = "quick"
     spacings: tuple[float, ...] | None = None
     reference: Certificate | Mesh | None = None
-    copies: Iterable[Welded] = ()
+    copies: Iterable[Surface] = ()
     trials: TrialCounter = field(default_factory=TrialCounter)
 
     @property

@@ -9,7 +9,7 @@ import numpy as np
 
 from meshmark.geometry.frame import Frame, canonical_frame, frame_alternatives
 from meshmark.geometry.sampling import Sampler, Samples, gathered, plan_samples
-from meshmark.geometry.weld import Welded
+from meshmark.geometry.surface import Surface
 from meshmark.mesh import FloatArray
 from meshmark.ownership.carriers.cells import Cells
 from meshmark.ownership.carriers.lattice import Lattice
@@ -50,7 +50,7 @@ class Shapes:
     Each lies in the frame of its own, or all lie in a `fixed` one.
     """
 
-    def __init__(self, surface: Welded, fixed: Frame | None = None) -> None:
+    def __init__(self, surface: Surface, fixed: Frame | None = None) -> None:
         self._faces, self._fixed = surface.faces, fixed
         self._frames: WeakKeyDictionary[Shape, Frame] = WeakKeyDictionary()
         self._samples: WeakKeyDictionary[Shape, dict[float, Samples]] = WeakKeyDictionary()

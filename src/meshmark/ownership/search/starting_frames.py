@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 from meshmark.certificate.certificate import Certificate
-from meshmark.geometry.frame import Frame, canonical_frame
+from meshmark.geometry.frame import Frame
 from meshmark.geometry.registration.landmarks import Landmarks
 from meshmark.geometry.registration.prepared_surface import PreparedSurface
 from meshmark.geometry.registration.register import register
 from meshmark.geometry.similarity import Similarity
-from meshmark.geometry.weld import Welded
+from meshmark.geometry.surface import Surface
 from meshmark.mesh import Mesh
 from meshmark.scene.surfaces import marked_surface
 
@@ -20,7 +20,7 @@ __all__ = ["ORIGINAL_LANDMARKS", "starting_frames"]
 ORIGINAL_LANDMARKS = 500
 
 
-def starting_frames(suspect: Welded, reference: Certificate | Mesh) -> list[Frame]:
+def starting_frames(suspect: Surface, reference: Certificate | Mesh) -> list[Frame]:
     """Return frames in which the suspect lies as the marked model does in its canonical frame, best first.
 
     At most five; none where the reference does not fit, or does not determine how (a sphere). Of an unmarked
@@ -35,9 +35,9 @@ def starting_frames(suspect: Welded, reference: Certificate | Mesh) -> list[Fram
 def _landmarks(reference: Certificate | Mesh) -> tuple[Landmarks, Frame]:
     if isinstance(reference, Certificate):
         return reference.landmarks, reference.frame
-    welded = marked_surface(reference)
-    home = canonical_frame(welded.points, welded.faces)
-    return PreparedSurface(welded.points, welded.faces, home).landmarks(ORIGINAL_LANDMARKS), home
+    surface = marked_surface(reference)
+    home = surface.frame
+    return PreparedSurface(surface.points, surface.faces, home).landmarks(ORIGINAL_LANDMARKS), home
 
 
 def _frame(pose: Similarity, home: Frame) -> Frame:

@@ -15,12 +15,11 @@ from typing import Final
 
 import numpy as np
 
-from meshmark.geometry.adjacency import unique_edges
 from meshmark.geometry.areas import face_areas
 from meshmark.geometry.frame import Frame, frame_alternatives
 from meshmark.geometry.sampling import plan_samples
 from meshmark.geometry.scale_space import random_walk, spectral_filters
-from meshmark.geometry.weld import Welded
+from meshmark.geometry.surface import Surface
 from meshmark.mesh import FloatArray
 from meshmark.ownership.carriers.pose import Pose
 from meshmark.ownership.carriers.quantisation import lock_score, log10_lock_chance
@@ -54,9 +53,10 @@ SMOOTHINGS: Final[dict[tuple[float, ...], tuple[int, ...]]] = {
 # most 2), but between these shares; nothing is where more is left of all frequencies.
 FAINTEST, FAINT, HIGH = 1e-5, 1e-2, 1.95
 TERMS: Final = 300
-# Where more is undone than was done the surface gets rough. One of so many times the area was never the model.
+# Where more is undone than was done the surface gets rough. One with this number of times the area was never the
+# model.
 ROUGHEST: Final = 6.0
-# So many shapes, spacings and steps are tried at most, and so many turns of each: two, or with axes exchanged all.
+# Most shapes, spacings and steps that are tried, and most turns of each: two, or with axes exchanged all.
 TRIED: Final = sum(map(len, SMOOTHINGS.values())) * len(SPACING_ORDER) * len(LOCK_STEPS)
 TURNS: Final = {False: LOCK_TURNS, True: 24}
 
@@ -80,7 +80,7 @@ class _Guess:
         return Reading.of(measured, self.step, measured.phase(self.step), hypotheses)
 
 
-def is_coarse(surface: Welded) -> bool:
+def is_coarse(surface: Surface) -> bool:
     """Return whether a mesh is so coarse that its mark may lie in frequencies which restorations filter off."""
     return len(surface.points) <= COARSE
 
@@ -96,9 +96,9 @@ def unsmoothed_readings(search: Search) -> Iterator[Reading]:
                 yield guess.read(search, search.trials.charge() * tried)
 
 
-def _before(surface: Welded) -> Iterator[FloatArray]:
+def _before(surface: Surface) -> Iterator[FloatArray]:
     """Yield the shapes (p, 3) that the suspect may have had before."""
-    walk = random_walk(surface.points, unique_edges(surface.faces))
+    walk = random_walk(surface.points, surface.edges)
     centre = surface.points.mean(axis=0)
     filters = [_inverse(shares, n) for shares, passes in SMOOTHINGS.items() for n in passes]
     area = face_areas(surface.points, surface.faces).sum()
@@ -108,7 +108,7 @@ def _before(surface: Welded) -> Iterator[FloatArray]:
 
 
 def _inverse(shares: Sequence[float], passes: int) -> Callable[[FloatArray], FloatArray]:
-    """Return the inverse of so many passes; where they leave next to nothing it is held back."""
+    """Return the inverse of `passes` passes; where they leave next to nothing it is held back."""
 
     def left(x: FloatArray) -> FloatArray:
         return np.asarray(np.prod([(1.0 - share * x) ** passes for share in shares], axis=0))

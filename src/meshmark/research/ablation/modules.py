@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from meshmark.errors import InputError
-from meshmark.geometry.weld import Welded
+from meshmark.geometry.surface import Surface
 from meshmark.mesh import FloatArray, IntArray, Mesh
 from meshmark.research.ablation.extraction_rules import EXTRACTIONS
 from meshmark.research.schemes.rivals.adf import Adf
@@ -114,7 +114,7 @@ PAPER = (
 )
 
 
-def region_map(surface: Welded, modules: Modules, rng: np.random.Generator) -> Regions:
+def region_map(surface: Surface, modules: Modules, rng: np.random.Generator) -> Regions:
     """Return the regions of a surface by these modules, as many as it has by default."""
     points, faces = surface.points, surface.faces
     strength, salient = SALIENCY[modules.saliency](points, faces, rng)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from meshmark.certificate.certificate import Certificate, certify
+from meshmark.certificate.certificate import Certificate
+from meshmark.certificate.certify import certify
 from meshmark.coding.codec import Codec
 from meshmark.coding.keys import Key
 from meshmark.coding.message import ID_BITS

@@ -14,7 +14,7 @@ from meshmark.network.perceptron import Perceptron
 from meshmark.ownership.carrier_features import carrier_features
 from meshmark.ownership.carriers.quantisation import log_likelihood_ratio
 from meshmark.ownership.demodulator import demodulate
-from meshmark.ownership.phase_correction import settled_phase
+from meshmark.ownership.phase_correction import corrected_phase
 from meshmark.research.training.demodulator_trials import Trial
 from meshmark.research.training.fitting import Examples, Recipe, fitted, held_out
 
@@ -101,7 +101,7 @@ def _table(trials: Sequence[Trial]) -> Examples:
     """Return the features (n, d), gains (n,) and targets (n,) of all carriers."""
     rows = []
     for trial in trials:
-        phase = settled_phase(trial.phase, trial.cells, trial.step, trial.relief)
+        phase = corrected_phase(trial.phase, trial.cells, trial.step, trial.relief)
         rows.append(
             (carrier_features(phase, trial.cells, trial.step, trial.relief), np.cos(phase), trial.targets)
         )

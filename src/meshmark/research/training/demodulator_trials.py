@@ -19,7 +19,8 @@ from meshmark.coding.polar import Bits
 from meshmark.errors import CapacityError
 from meshmark.geometry.frame import Frame, canonical_frame
 from meshmark.geometry.sampling import plan_samples
-from meshmark.geometry.weld import Welded, weld
+from meshmark.geometry.surface import Surface
+from meshmark.geometry.weld import weld
 from meshmark.mesh import FloatArray, Mesh
 from meshmark.ownership.carriers.cells import Cells
 from meshmark.ownership.carriers.lattice import CellKeys, Lattice
@@ -30,7 +31,7 @@ from meshmark.ownership.carriers.relief import Relief, measure_relief
 from meshmark.ownership.embedding import embed
 from meshmark.ownership.extraction import find
 from meshmark.ownership.parameters import CARRIER_READABLE, LONGEST_SAMPLE
-from meshmark.ownership.phase_correction import settled, settled_phase
+from meshmark.ownership.phase_correction import best_correction, corrected_phase
 from meshmark.ownership.search.measurement import read_cells
 from meshmark.ownership.search.restoration import Restoration, restorations
 from meshmark.ownership.search.search import Search
@@ -138,7 +139,7 @@ def trials(
 class _Shape:
     """A restoration of an attacked model: how far towards its other shapes, and in which pose."""
 
-    def __init__(self, surface: Welded, restoration: Restoration, off: FloatArray) -> None:
+    def __init__(self, surface: Surface, restoration: Restoration, off: FloatArray) -> None:
         self._faces = surface.faces
         first, *others = (shape.points for shape in restoration.shapes)
         self._first, self._ways = first, [other - first for other in others]
@@ -194,7 +195,7 @@ class _Shape:
         return np.asarray(2.0 * np.pi / marked.step * np.hstack(columns))
 
     def _correction(self, phase: FloatArray, response: FloatArray) -> FloatArray:
-        return self._expected * settled(
+        return self._expected * best_correction(
             2.0 * phase, 2.0 * response * self._expected, np.ones(response.shape[1])
         )
 
@@ -209,7 +210,7 @@ def _trial(marked: Marked, shape: _Shape, name: str, strength: float) -> Trial |
     keys = marked.keys(cells)
     phase, relief = marked.phase(cells), shape.relief(marked, cells)
     targets = 1.0 - 2.0 * marked.bits[keys.code_index].astype(np.float64)
-    if np.mean(np.cos(settled_phase(phase, cells, marked.step, relief)) * targets < 0.0) > LOST:
+    if np.mean(np.cos(corrected_phase(phase, cells, marked.step, relief)) * targets < 0.0) > LOST:
         return None
     return Trial(
         attack=name,

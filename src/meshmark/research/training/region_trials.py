@@ -14,7 +14,7 @@ from meshmark.authentication.examination import Examination, examine
 from meshmark.authentication.regions.region_evidence import region_evidence
 from meshmark.coding.keys import Key
 from meshmark.errors import MeshmarkError
-from meshmark.marking.layers import embed
+from meshmark.marking.embedding import embed
 from meshmark.mesh import FloatArray, Mesh
 from meshmark.segmentation.analysis import segment
 from meshmark.segmentation.map_segmentation import Regions
@@ -98,7 +98,7 @@ def _edited(edit: str, share: float, mesh: Mesh, truth: NDArray[np.bool_], key: 
 def judged(edited: Edited, regions: Regions) -> RegionTrial:
     """Return what the marks of an edited model say of the regions of a map of its points."""
     found = edited.found
-    evidence = region_evidence(found.surface.faces, regions, found.checks, found.altered)
+    evidence = region_evidence(found.surface.graph, regions, found.checks, found.altered)
     cell = 2 * regions.region + ~regions.green
     altered = np.bincount(cell[edited.truth], minlength=2 * len(evidence.home)).reshape(-1, 2) > 0
     return RegionTrial(

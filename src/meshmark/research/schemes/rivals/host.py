@@ -12,7 +12,7 @@ from meshmark.errors import CapacityError
 from meshmark.geometry.adjacency import adjacency, unique_edges
 from meshmark.geometry.weld import weld
 from meshmark.mesh import FloatArray, IntArray, Mesh
-from meshmark.ownership.embedding import diagonal_of, displacement_rms
+from meshmark.ownership.vertex_displacement import diagonal_of, displacement_rms
 
 __all__ = ["Host"]
 

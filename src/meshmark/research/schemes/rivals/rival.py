@@ -15,7 +15,7 @@ from meshmark.research.schemes.rivals.alignment import differences
 from meshmark.research.schemes.rivals.codeword import coded, read_code
 from meshmark.research.schemes.rivals.host import Host
 from meshmark.research.schemes.scheme import Bits, Readout
-from meshmark.strengths import BUDGETS
+from meshmark.strengths import BUDGETS, check_strength
 from meshmark.threads import on_one_thread
 
 __all__ = ["Informed", "Rival"]
@@ -40,8 +40,7 @@ class Rival(ABC):
     def embed(self, mesh: Mesh, bits: Bits, key: Key, *, strength: str = "standard") -> Mesh:
         """See `Scheme.embed`; raises `CapacityError` where its own reader would not find the mark."""
         payload = self._payload(bits)
-        if strength not in BUDGETS:
-            raise InputError(f"unknown strength '{strength}', expected one of {', '.join(BUDGETS)}")
+        check_strength(strength)
         marked = self.marked(mesh, payload, key, BUDGETS[strength])
         if self.pilots and not self.extract(marked, key, reference=mesh).present:
             raise CapacityError(

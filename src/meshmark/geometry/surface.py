@@ -1,0 +1,99 @@
+"""A surface: points joined by faces, and what is computed of them, each once and when it is first asked for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+
+from meshmark.geometry.areas import face_areas, vertex_areas
+from meshmark.geometry.connectivity import Connectivity
+from meshmark.geometry.extent import diagonal
+from meshmark.geometry.frame import Frame, canonical_frame
+from meshmark.mesh import FloatArray, IntArray
+
+__all__ = ["Surface"]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Surface:
+    """A mesh whose exactly coincident vertices are one point (see `weld`).
+
+    points:          (p, 3) float64, pairwise different, in the order of their first vertex.
+    faces:           (m', 3) int64 in point indices; faces without three different points are left out.
+    point_of_vertex: (n,) int64, `points[point_of_vertex]` are the vertices (with -0.0 read as 0.0).
+
+    The arrays are never changed in place. All lengths are in scene units.
+    """
+
+    points: FloatArray
+    faces: IntArray
+    point_of_vertex: IntArray
+
+    @cached_property
+    def connectivity(self) -> Connectivity:
+        """How the points are joined; surfaces that differ in their positions alone share it (`moved`)."""
+        return Connectivity(count=len(self.points), faces=self.faces)
+
+    @cached_property
+    def vertex_of_point(self) -> IntArray:
+        """(p,) int64: the first vertex of each point."""
+        first = np.empty(len(self.points), np.int64)
+        backwards = self.point_of_vertex[::-1]
+        first[backwards] = np.arange(len(backwards))[::-1]  # the last assignment stays
+        return first
+
+    @property
+    def used(self) -> NDArray[np.bool_]:
+        """(p,) which points faces use."""
+        return self.connectivity.used
+
+    @property
+    def edges(self) -> IntArray:
+        """(e, 2) each undirected edge once, smaller index first, sorted."""
+        return self.connectivity.edges
+
+    @property
+    def graph(self) -> csr_array:
+        """(p, p) symmetric sparse matrix with 1.0 at both places of each edge."""
+        return self.connectivity.graph
+
+    @cached_property
+    def face_areas(self) -> FloatArray:
+        """(m',) area of each face."""
+        return face_areas(self.points, self.faces)
+
+    @cached_property
+    def point_areas(self) -> FloatArray:
+        """(p,) a third of the area of the faces at each point."""
+        return vertex_areas(self.points, self.faces)
+
+    @cached_property
+    def diagonal(self) -> float:
+        """Diagonal of the bounding box of the points that faces use."""
+        return diagonal(self.points, self.faces)
+
+    @cached_property
+    def frame(self) -> Frame:
+        """The canonical frame; raises `InputError` where there is no surface."""
+        return canonical_frame(self.points, self.faces)
+
+    def moved(self, points: FloatArray) -> Surface:
+        """Return the surface with its points elsewhere; faces and connectivity are shared.
+
+        Parameters
+        ----------
+        points : (p, 3) float array
+            New positions, which the caller knows to be pairwise different.
+
+        Returns
+        -------
+        Surface
+            A plain one, whatever this one is.
+        """
+        result = Surface(points=points, faces=self.faces, point_of_vertex=self.point_of_vertex)
+        result.__dict__["connectivity"] = self.connectivity
+        return result

@@ -1,0 +1,196 @@
+"""Embedding of both layers: the ownership mark first, the marks of authentication and the payload on top of it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+from time import perf_counter
+
+from meshmark.authentication.marks.planning import plans
+from meshmark.authentication.payload.content import Content
+from meshmark.coding.keys import Key
+from meshmark.errors import CapacityError
+from meshmark.marking.authentication_layer import Base, with_authentication
+from meshmark.marking.embedding_result import Embedding
+from meshmark.marking.mark_request import MarkRequest
+from meshmark.marking.repeated_mesh import embed_repeated
+from meshmark.marking.undo import sealed
+from meshmark.marking.verification import verify
+from meshmark.mesh import Mesh
+from meshmark.ownership.embedding import Owned
+from meshmark.ownership.extraction import extract
+from meshmark.ownership.vertex_displacement import displacement_rms, vertex_displacement
+from meshmark.scene.distinct import distinct
+from meshmark.strengths import BUDGETS
+from meshmark.threads import on_one_thread
+
+__all__ = ["embed"]
+
+# Room for the upper layer is measured on a surface that then changes a little.
+_MORE = 1.1
+
+
+@on_one_thread
+def embed(
+    mesh: Mesh,
+    key: Key,
+    *,
+    id: int | None = None,
+    strength: str = "standard",
+    layers: str | None = None,
+    payload: Content = None,
+    tolerance: str | None = None,
+) -> Embedding:
+    """Mark a mesh with a 64-bit id, and with marks that show what is changed later; read everything back blind.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    key : Key
+    id : int, optional
+        64 bits; drawn at random where it is left out.
+    strength : str
+        "subtle", "standard" or "strong": an RMS displacement of at most 0.02, 0.08 or 0.2 % of the bounding-box
+        diagonal by all layers together, in the positions that the file can hold.
+    layers : str, optional
+        "both", "ownership" (the id alone, which survives damage), or "authentication". By default both, or
+        ownership alone where the model has no room for authentication, which a remark then says.
+    payload : str, bytes or path, optional
+        "miniature" (of the model, for its recovery), "none", bytes, or the path of a file. By default a miniature,
+        or none where it does not fit.
+    tolerance : str, optional
+        "strict", or "tolerant" of exports that round coordinates to 16 bits or six digits; "default": of six digits
+        where the payload need not suffer (`precisions_of`). Without it, "default", but the layer may be left out.
+
+    Returns
+    -------
+    Embedding
+
+    Raises
+    ------
+    InputError
+        An argument cannot be used.
+    CapacityError
+        The mesh cannot carry what is asked for.
+    """
+    start = perf_counter()
+    request = MarkRequest.checked(
+        key, id=id, strength=strength, layers=layers, payload=payload, tolerance=tolerance
+    )
+    once = distinct(mesh)  # copies of one mesh are marked as one
+    original = mesh if once is None else once.mesh
+    made = _marked(original, request)
+    seal = partial(sealed, original=original, marked=made.mesh, key=key, identity=request.id)
+    if once is not None:
+        whole = once.whole(made.mesh.vertices)
+        made = replace(made, mesh=whole, displacement=vertex_displacement(once.scene, whole))
+    return replace(made, seconds=perf_counter() - start, seal=seal)
+
+
+class _NoRoomError(CapacityError):
+    """The upper layer does not fit on the one below."""
+
+    def __init__(self, below: Owned, reason: str) -> None:
+        super().__init__(reason)
+        self.below = below
+
+
+class _OverBudgetError(CapacityError):
+    """The upper layer moves the surface by this RMS over the diagonal, too much beside the lower one."""
+
+    def __init__(self, share: float, strength: str) -> None:
+        super().__init__(
+            f"the marks of authentication move vertices by {100 * share:.2g} % of the diagonal RMS, as the model's "
+            f"file or its size calls for: beside the id too much for strength {strength}"
+        )
+        self.share = share
+
+
+def _marked(mesh: Mesh, request: MarkRequest) -> Embedding:
+    """Return the layers that are asked for, read back."""
+    if request.layers == "authentication":
+        return _on_top(None, mesh, request)
+    if request.layers == "ownership":
+        return _verified(_with_id(mesh, request), mesh, request)
+    try:
+        return _both(mesh, request)
+    except _NoRoomError as error:
+        if not request.optional:
+            raise CapacityError(str(error)) from None
+        return _verified(
+            error.below, mesh, request, remarks=(f"the authentication layer is left out: {error}",)
+        )
+
+
+def _with_id(mesh: Mesh, request: MarkRequest, reserve: float = 0.0) -> Owned:
+    return embed_repeated(mesh, request.key, id=request.id, strength=request.strength, reserve=reserve)
+
+
+def _verified(below: Owned, mesh: Mesh, request: MarkRequest, remarks: tuple[str, ...] = ()) -> Embedding:
+    """Return the ownership layer alone, verified."""
+    result = Embedding(
+        mesh=below.mesh,
+        id=request.id,
+        strength=request.strength,
+        ownership=below.mark,
+        authentication=None,
+        displacement=vertex_displacement(mesh, below.mesh),
+        remarks=remarks,
+    )
+    verify(result.mesh, request.key, result)
+    return result
+
+
+def _both(mesh: Mesh, request: MarkRequest) -> Embedding:
+    """Return both layers; a second time with less of the budget for the lower one where the first is too much."""
+    try:
+        below = _with_id(mesh, request)
+    except CapacityError as error:
+        raise CapacityError(f"{error}{_authentication_alone(mesh, request)}") from None
+    try:
+        return _on_top(below, mesh, request)
+    except _OverBudgetError as error:
+        reserve = _MORE * error.share
+        if reserve >= BUDGETS[request.strength]:
+            raise _NoRoomError(below, str(error)) from None
+        below = _with_id(mesh, request, reserve)
+        try:
+            return _on_top(below, mesh, request)
+        except CapacityError as again:
+            raise _NoRoomError(below, str(again)) from None
+    except CapacityError as error:
+        raise _NoRoomError(below, str(error)) from None
+
+
+def _authentication_alone(mesh: Mesh, request: MarkRequest) -> str:
+    """Return what to add to the refusal of the id where there is room for the marks of authentication."""
+    try:
+        fits = next(plans(mesh, request.key, request.tolerance), None) is not None
+    except CapacityError:
+        fits = False
+    return "; for --layers authentication, without an id that survives damage, there is room" if fits else ""
+
+
+def _on_top(below: Owned | None, original: Mesh, request: MarkRequest) -> Embedding:
+    """Return the authentication layer, on top of one with the id or alone, read back."""
+    base = Base(original=original, mesh=original if below is None else below.mesh, has_id=below is not None)
+    upper = with_authentication(base, request)
+    displacement = vertex_displacement(original, upper.mesh)
+    if displacement.rms > BUDGETS[request.strength] * displacement.diagonal:
+        share = displacement_rms(base.mesh, upper.mesh) / displacement.diagonal
+        raise _OverBudgetError(share, request.strength)
+    ownership = None
+    if below is not None:
+        found = extract(upper.mesh, request.key, search="plain")
+        if found.id != request.id:
+            raise CapacityError("the id cannot be read beside the marks of authentication")
+        ownership = replace(below.mark, carriers=found.carriers)
+    return Embedding(
+        mesh=upper.mesh,
+        id=request.id,
+        strength=request.strength,
+        ownership=ownership,
+        authentication=upper.mark,
+        displacement=displacement,
+        remarks=upper.remarks,
+    )

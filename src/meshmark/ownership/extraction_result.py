@@ -1,0 +1,59 @@
+"""What an extraction returns; `to_dict` is the JSON of the command line."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+from meshmark.coding.message import format_id
+
+__all__ = ["Evidence", "Extraction"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Evidence:
+    """What one layer of a model says.
+
+    layer: "cells" (the ownership layer) or "authentication"; id: the 64-bit id, None where there is a mark whose id
+    cannot be read. log10_false_positive: bound on the chance of this without a mark of this key.
+    """
+
+    layer: str
+    id: int | None
+    log10_false_positive: float
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the fields, the id in hexadecimal."""
+        identity = None if self.id is None else format_id(self.id)
+        return {"layer": self.layer, "id": identity, "log10_false_positive": self.log10_false_positive}
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Extraction:
+    """What was read from a mesh.
+
+    presence: "present", "absent" or "inconclusive"; id: the 64-bit id or None.
+    log10_false_positive: bound on the chance of this answer without a mark of this key, over all that was tried.
+    mode: "blind", "certificate" or "original". carriers: cells read; carriers_agreeing: those whose bit is the
+    decoded one's.
+    lock_score: mean cos(2 phase), 1 for an untouched mark and about 0 without one.
+    advice: one sentence for the reader. evidence: what layers say of a mark, none where it is absent.
+    """
+
+    presence: str
+    id: int | None
+    log10_false_positive: float
+    mode: str
+    carriers: int
+    carriers_agreeing: int
+    lock_score: float
+    advice: str
+    seconds: float
+    evidence: tuple[Evidence, ...] = ()
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the JSON fields, the id in hexadecimal."""
+        values = {entry.name: getattr(self, entry.name) for entry in fields(self)}
+        values["id"] = None if self.id is None else format_id(self.id)
+        values["evidence"] = [entry.to_dict() for entry in self.evidence]
+        return values

@@ -1,0 +1,22 @@
+"""The mark of the ownership layer: an id in the carriers of a keyed lattice."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+__all__ = ["OwnershipMark"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class OwnershipMark:
+    """A mark of the ownership layer that was read back.
+
+    carriers: number of cells that an extraction reads. spacing: of the lattice, in canonical units. step: of the
+    quantisation, in spacings. repeated_only: the mark lies only in the part of the scene that is shown more than
+    once.
+    """
+
+    carriers: int
+    spacing: float
+    step: float
+    repeated_only: bool = False

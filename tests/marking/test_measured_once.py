@@ -1,0 +1,85 @@
+"""One embedding measures a surface once: calls are counted wherever the functions were imported to."""
+
+from __future__ import annotations
+
+import sys
+from collections import Counter
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from unittest.mock import patch
+
+import pytest
+
+from meshmark.authentication.marks.ring_shapes import ring_shapes
+from meshmark.authentication.marks.rings import ordered_rings
+from meshmark.geometry.frame import canonical_frame
+from meshmark.geometry.weld import weld
+from meshmark.io import read_mesh, write_mesh
+from meshmark.marking import embed, embed_file
+from meshmark.mesh import Mesh
+from tests.keys import ID, KEY
+from tests.shapes import pebble
+
+COUNTED = (weld, canonical_frame, ordered_rings, ring_shapes)
+
+
+@contextmanager
+def counted() -> Iterator[Counter[str]]:
+    """Count the calls of `COUNTED`, in every module of meshmark that has one of them under its name."""
+    calls: Counter[str] = Counter()
+
+    def counting(function: Callable[..., object]) -> Callable[..., object]:
+        def called(*arguments: object) -> object:
+            calls[function.__name__] += 1
+            return function(*arguments)
+
+        return called
+
+    patches = [
+        patch.object(module, function.__name__, counting(function))
+        for function in COUNTED
+        for name, module in list(sys.modules.items())
+        if name.startswith("meshmark") and getattr(module, function.__name__, None) is function
+    ]
+    for each in patches:
+        each.start()
+    try:
+        yield calls
+    finally:
+        for each in patches:
+            each.stop()
+
+
+def test_an_embedding_of_both_layers_welds_at_most_twice_and_finds_three_frames():
+    """The input is welded. All other meshes have its points, which is checked instead of welding them anew.
+
+    These are the mesh between the layers, the output (and the marks that were tried before it), and each rounding
+    that a tolerance promises to bear. One of them where rounding joins two points is welded, as
+    `test_surface_of` shows; here none is. Framed are the input, the mesh with the id and the output.
+    """
+    mesh = Mesh(*pebble(72))
+    with counted() as calls:
+        result = embed(mesh, KEY, id=ID)
+    assert result.layers == "both"
+    assert 1 <= calls["weld"] <= 2
+    assert 1 <= calls["canonical_frame"] <= 3
+    assert calls["ordered_rings"] == 1
+    assert calls["ring_shapes"] > 0
+
+
+def test_a_certificate_measures_nothing_again():
+    result = embed(Mesh(*pebble(72)), KEY, id=ID)
+    with counted() as calls:
+        assert result.certificate.vertices == len(result.mesh.vertices)
+    assert calls["weld"] == calls["canonical_frame"] == 0
+
+
+@pytest.mark.parametrize("target", ["out.ply", "out.off"])
+def test_a_written_file_that_holds_the_same_positions_is_not_welded_again(tmp_path, target):
+    write_mesh(Mesh(*pebble(72)), tmp_path / "in.ply")
+    source = read_mesh(tmp_path / "in.ply")
+    with counted() as calls:
+        result = embed_file(source, tmp_path / target, KEY, id=ID)
+        assert result.certificate.vertices == len(source.vertices)
+    assert (read_mesh(tmp_path / target).vertices == result.mesh.vertices).all()
+    assert 1 <= calls["weld"] <= 2
