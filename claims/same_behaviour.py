@@ -29,8 +29,8 @@ DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
 FORMATS = (".ply", ".obj", ".off", ".stl", ".glb", ".gltf", ".3mf", ".ply.gz")
 KEYS = ("5a" * 32, "c3" * 32)
 IDS = ("0123456789abcdef", "fedcba9876543210")
-# Answers that differ from run to run, or are meant to change with a version.
-LEFT_OUT = ("seconds", "version")
+# Answers that differ from run to run, or were meant to change: `verified` was true of every answer, and is gone.
+LEFT_OUT = ("seconds", "version", "verified")
 
 
 def models() -> list[Path]:
@@ -112,7 +112,7 @@ def main() -> int:
     for number, source in enumerate(models()[: arguments.limit]):
         for key_number in range(len(KEYS)):
             name = f"{source.relative_to(DATA)} key {key_number}"
-            if arguments.task == "record" and name in stored:
+            if (arguments.task == "record") == (name in stored):
                 continue
             with tempfile.TemporaryDirectory() as folder:
                 found = behaviour(source, number, key_number, Path(folder))
@@ -121,10 +121,17 @@ def main() -> int:
                 arguments.file.write_text(json.dumps(stored, indent=1))
                 print(name, found["steps"]["embed"]["exit"], flush=True)
             else:
-                lines = differences(stored[name], found)
+                lines = differences(_wanted(stored[name]), found)
                 differing += bool(lines)
                 print(name, "as before" if not lines else "DIFFERS", *lines, sep="\n    ", flush=True)
     return 1 if differing else 0
+
+
+def _wanted(stored: Any) -> Any:
+    """Return a record without the answers that are left out now."""
+    if isinstance(stored, dict):
+        return {name: _wanted(value) for name, value in stored.items() if name not in LEFT_OUT}
+    return stored
 
 
 def differences(before: Any, after: Any, place: str = "") -> list[str]:

@@ -45,8 +45,8 @@ def write_reports(
     """Write the reports into a folder and return the paths of report.html, report.md, results.csv, summary.csv.
 
     The pictures of report.md go to the folder plots, as SVG; without matplotlib (`pip install meshmark[research]`)
-    the reports have none, and say so. The same rows and facts give the same bytes. Raises `OutputError` where a file
-    cannot be written.
+    the reports have none, and say so. The same rows and facts give the same bytes. Raises `OutputError` where a
+    file cannot be written.
     """
     ordered = sorted(rows, key=lambda row: row.case)
     title = f"meshmark bench {facts.suite}"
