@@ -15,18 +15,19 @@ import re
 import tempfile
 import time
 from collections.abc import Callable, Iterator
-from importlib import resources
 from importlib.util import find_spec
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import fast_simplification
 import numpy as np
 
+from meshmark.data import hare_ply
 from meshmark.geometry.closest_point import SurfaceIndex
 from meshmark.geometry.view import three_quarter_view
 from meshmark.geometry.weld import weld
-from meshmark.io import read_mesh, write_mesh
+from meshmark.io import read_mesh, read_mesh_from, write_mesh
 from meshmark.io.text.number_printing import format_numbers, round_numbers
 from meshmark.io.text.number_style import NumberStyle
 from meshmark.io.text.numbers import compact, parse_floats, parse_ints
@@ -239,8 +240,7 @@ def pictures(points: FloatArray, faces: IntArray) -> None:
 def main() -> int:
     """Print all comparisons."""
     rng = np.random.default_rng(0)
-    with resources.as_file(resources.files("meshmark").joinpath("data/hare.ply.gz")) as path:
-        surface = weld(read_mesh(path))
+    surface = weld(read_mesh_from(BytesIO(hare_ply()), "ply"))
     numbers_read(rng)
     numbers_written(rng)
     whole_files()

@@ -16,8 +16,8 @@ ROOT = Path(meshmark.__file__).parent
 SOURCES = sorted(ROOT.rglob("*.py"))
 # A module imports from its own layer or from those before it.
 LAYERS = (
-    "errors", "arrays", "document", "mesh", "threads", "strengths", "coding", "geometry", "io", "scene", "saliency",
-    "segmentation", "network", "certificate", "ownership", "recovery", "authentication", "marking", "attacks",
+    "errors", "data", "arrays", "document", "mesh", "threads", "strengths", "coding", "geometry", "io", "scene",
+    "saliency", "segmentation", "network", "certificate", "ownership", "recovery", "authentication", "marking", "attacks",
     "metrics", "report", "cli", "", "__main__", "research",
 )  # fmt: skip
 # The same of the folders within a folder.

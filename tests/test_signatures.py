@@ -16,24 +16,6 @@ MOST_POSITIONAL, LEAST_FIELDS = 5, 3
 # Dataclasses whose fields may be positional, and why.
 POSITIONAL_DATACLASSES = (
     "mesh.py: Mesh",  # Mesh(vertices, faces, document) is the constructor that users know from other libraries
-    "geometry/weld.py: Welded",  # built in one place, in the order in which its docstring explains the fields
-)
-# TEMPORARY: mended on another branch; empty both at the merge.
-PENDING_FUNCTIONS = (
-    "authentication/checks/in_place.py: in_place",
-    "authentication/checks/sweep.py: sweep",
-    "authentication/marks/plan.py: _plain",
-    "authentication/marks/plan.py: _plan",
-    "authentication/marks/rings.py: _walk",
-    "marking/layers.py: _both",
-    "marking/marked_file.py: embed_file",
-    "ownership/embedding.py: _finish",
-    "ownership/embedding.py: _largest_step",
-)
-PENDING_DATACLASSES = (
-    "authentication/marks/candidates.py: Candidates",
-    "authentication/marks/ring_shapes.py: RingShapes",
-    "authentication/payload/signed_totals.py: Whole",
 )
 
 
@@ -104,9 +86,9 @@ def test_positional_dataclasses_are_found(text, expected):
 
 def test_no_function_of_the_product_has_many_positional_parameters():
     found = {f"{name}: {function}" for name, tree in product() for function in crowded(tree)}
-    assert found - {*PENDING_FUNCTIONS} == set(), "bundle what belongs together, or make it keyword-only"
+    assert found == set(), "bundle what belongs together, or make it keyword-only"
 
 
 def test_dataclasses_of_the_product_are_keyword_only():
     found = {f"{name}: {made}" for name, tree in product() for made in positional_dataclasses(tree)}
-    assert found - {*PENDING_DATACLASSES} == {*POSITIONAL_DATACLASSES}
+    assert found == {*POSITIONAL_DATACLASSES}

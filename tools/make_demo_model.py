@@ -1,11 +1,11 @@
-"""Make the model that `meshmark demo` marks: src/meshmark/data/hare.ply.gz. The same bytes on every run.
+"""Make the model that `meshmark demo` marks: src/meshmark/data/hare.ply.xz. The same bytes on every run.
 
-.venv/bin/python tools/make_demo_model.py [OUT.ply.gz]
+.venv/bin/python tools/make_demo_model.py [OUT.ply.xz]
 """
 
 from __future__ import annotations
 
-import gzip
+import lzma
 import sys
 from pathlib import Path
 
@@ -19,7 +19,7 @@ ROUNDS = 15
 MILLIMETRES = 30.0
 # Positions on a fine grid of millimetres, and triangles in order, pack better.
 GRID = 2.0**-12
-HOME = Path(__file__).resolve().parents[1] / "src" / "meshmark" / "data" / "hare.ply.gz"
+HOME = Path(__file__).resolve().parents[1] / "src" / "meshmark" / "data" / "hare.ply.xz"
 
 
 def build() -> tuple[Array, Faces, Array]:
@@ -59,5 +59,5 @@ def ply(vertices: Array, faces: Faces, colours: Array) -> bytes:
 
 if __name__ == "__main__":
     out = Path(sys.argv[1]) if len(sys.argv) > 1 else HOME
-    out.write_bytes(gzip.compress(ply(*build()), compresslevel=9, mtime=0))
+    out.write_bytes(lzma.compress(ply(*build()), check=lzma.CHECK_CRC32, preset=9 | lzma.PRESET_EXTREME))
     print(f"{out}: {out.stat().st_size:,} bytes")

@@ -14,11 +14,11 @@ import re
 import shlex
 import tempfile
 from collections.abc import Iterator
-from importlib import resources
 from pathlib import Path
 
 import meshmark as mm
 from meshmark.cli.main import main
+from meshmark.data import hare_ply
 
 README = Path(__file__).resolve().parents[1] / "README.md"
 SESSION = re.compile(r"```console\n(.*?)```", re.DOTALL)
@@ -32,8 +32,7 @@ def session() -> str:
 
 def tour(text: str) -> Iterator[tuple[str, str, int, str]]:
     """Yield each command of a session, what the page shows, its exit code and what it prints, in this folder."""
-    with resources.as_file(resources.files("meshmark") / "data" / "hare.ply.gz") as hare:
-        mm.write_mesh(mm.read_mesh(hare), "hare.ply")
+    Path("hare.ply").write_bytes(hare_ply())
     for command, shown in COMMAND.findall(text):
         out = io.StringIO()
         with contextlib.redirect_stdout(out):

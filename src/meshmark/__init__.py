@@ -100,7 +100,7 @@ _HOME = {
     "analyse": "saliency",
     "authenticate": "authentication.verdict",
     "compare": "metrics",
-    "embed": "marking.embedding",
+    "embed": "marking.both_layers",
     "embed_file": "marking.marked_file",
     "extract": "ownership.extraction",
     "read_mesh": "io",

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import shutil
+import gzip
 from collections.abc import Callable
-from importlib import resources
 from pathlib import Path
 from typing import NamedTuple
 
@@ -12,6 +11,7 @@ import pytest
 
 from meshmark.cli.main import main
 from meshmark.coding.keys import Key
+from meshmark.data import hare_ply
 
 IDENTITY = "0123456789abcdef"
 
@@ -57,8 +57,7 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> Files:
     import json
 
     folder = tmp_path_factory.mktemp("files")
-    with resources.as_file(resources.files("meshmark") / "data" / "hare.ply.gz") as hare:
-        shutil.copy(hare, folder / "hare.ply.gz")
+    (folder / "hare.ply.gz").write_bytes(gzip.compress(hare_ply(), mtime=0))
     found = Files(folder / "hare.ply.gz", folder / "owner.key", folder / "marked.ply", {})
     Key(bytes(range(32))).save(found.key)
     captured = io.StringIO()

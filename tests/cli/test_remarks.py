@@ -6,23 +6,22 @@ import gzip
 import json
 import struct
 import zipfile
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from meshmark.io import read_mesh, write_mesh
+from meshmark.data import hare_ply
+from meshmark.io import read_mesh, read_mesh_from, write_mesh
 from tests.counting import some
 
 
 @pytest.fixture(scope="module")
 def sphere(tmp_path_factory) -> bytes:
     """A small bumpy sphere as a binary STL."""
-    from importlib import resources
-
     folder = tmp_path_factory.mktemp("sphere")
-    with resources.as_file(resources.files("meshmark") / "data" / "hare.ply.gz") as hare:
-        write_mesh(read_mesh(hare), folder / "hare.stl")
+    write_mesh(read_mesh_from(BytesIO(hare_ply()), "ply"), folder / "hare.stl")
     return (folder / "hare.stl").read_bytes()
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 import time
 from contextlib import suppress
-from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -166,14 +165,17 @@ def _changed_name(mesh: Mesh) -> str:
 
 def _original(model: Path | None, out: Path) -> Path:
     """Put a copy of the model into the folder, and what it refers to."""
+    from meshmark.data import hare_ply
     from meshmark.io import read_mesh, write_mesh
 
-    with resources.as_file(resources.files("meshmark") / "data" / "hare.ply.gz") as hare:
-        source = hare if model is None else model
-        packed = source.suffix.lower() == ".gz"
-        extension = source.with_suffix("").suffix if packed else source.suffix
-        copy = out / f"original{extension}{source.suffix if packed and model is not None else ''}"
-        write_mesh(read_mesh(source), copy)
+    if model is None:
+        copy = out / "original.ply"
+        copy.write_bytes(hare_ply())
+        return copy
+    packed = model.suffix.lower() == ".gz"
+    extension = model.with_suffix("").suffix if packed else model.suffix
+    copy = out / f"original{extension}{model.suffix if packed else ''}"
+    write_mesh(read_mesh(model), copy)
     return copy
 
 

@@ -5,18 +5,17 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from meshmark.document import Attributes
 from meshmark.errors import InputError, MeshmarkError, OutputError
+from meshmark.io.conversion import converted
 from meshmark.io.formats import FORMATS, Format, check_extension, format_of_name
-from meshmark.io.gzip_data import gzipped
 from meshmark.io.source import SourceFile
 from meshmark.io.staging import Staging
-from meshmark.mesh import FloatArray, IntArray, Mesh
+from meshmark.mesh import FloatArray, Mesh
 
 __all__ = ["WriteReport", "check_recompression", "conform", "input_files", "uncompressed", "write_mesh"]
 
@@ -133,7 +132,7 @@ def write_mesh(
             files, decompressed = holder.recompressed(files, path.name, decompressed), ()
         copies, dropped = _side_copies(holder, target.parent), holder.left_behind(path.name)
     else:
-        files, dropped = _converted(mesh, entry, path.name)
+        files, dropped = converted(mesh, entry, path.name)
         dropped += () if source is None else source.left_behind(path.name)
     main = files.pop(path.name)
     try:
@@ -269,40 +268,3 @@ def _side_copies(source: SourceFile, folder: Path) -> dict[str, Path]:
         return {}
     names = {os.path.relpath(origin, home): origin for origin in source.side_files()}
     return {name: origin for name, origin in names.items() if not (folder / name).exists()}
-
-
-def _converted(mesh: Mesh, entry: Format, name: str) -> tuple[dict[str, bytes], tuple[str, ...]]:
-    attributes = Attributes() if mesh.document is None else mesh.document.attributes()
-    attributes, lost = _kept(attributes, entry)
-    vertices, faces, attributes = _split_seams(mesh, attributes)
-    packed = name.lower().endswith(".gz")
-    inner = name[:-3] if packed else name
-    files, dropped = entry.convert(vertices, faces, attributes, inner)
-    if packed:
-        files = {name: gzipped(files.pop(inner)), **files}
-    return files, tuple(dict.fromkeys((*lost, *dropped)))
-
-
-def _kept(attributes: Attributes, entry: Format) -> tuple[Attributes, list[str]]:
-    """Return the attributes that the target can hold, and the names of the others."""
-    normals, texcoords, colors = attributes.normals, attributes.texcoords, attributes.colors
-    lost: list[str] = []
-    if normals is not None and "normals" not in entry.keeps:
-        normals, lost = None, [*lost, "normals"]
-    if texcoords is not None and "texcoords" not in entry.keeps:
-        texcoords, lost = None, [*lost, "texture coordinates"]
-    if colors is not None and "colors" not in entry.keeps:
-        colors, lost = None, [*lost, "vertex colours"]
-    return replace(attributes, normals=normals, texcoords=texcoords, colors=colors), lost
-
-
-def _split_seams(mesh: Mesh, attributes: Attributes) -> tuple[FloatArray, IntArray, Attributes]:
-    """Give each corner with attributes of its own a vertex of its own, where there is any to keep."""
-    if attributes.seams is None:
-        return mesh.vertices, mesh.faces, attributes
-    points, faces = attributes.seams
-    if attributes.normals is None and attributes.texcoords is None:
-        first = np.searchsorted(points, np.arange(len(mesh.vertices)))
-        colors = None if attributes.colors is None else attributes.colors[first]
-        return mesh.vertices, mesh.faces, replace(attributes, colors=colors, seams=None)
-    return mesh.vertices[points], faces, replace(attributes, seams=None)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from meshmark.authentication.part_recovery import Recovery, recover
 from meshmark.authentication.verdict import Authentication, authenticate
 from meshmark.certificate.certificate import Certificate
-from meshmark.marking.embedding import embed
+from meshmark.marking.both_layers import embed
 from meshmark.marking.embedding_result import AuthenticationMark, Embedding
 from meshmark.marking.marked_file import embed_file
 from meshmark.marking.undo import Unmarked, unmark

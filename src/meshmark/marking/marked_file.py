@@ -14,7 +14,7 @@ from meshmark.coding.keys import Key
 from meshmark.geometry.surface_of import surface_of_moved
 from meshmark.io import Staging, check_extension, check_recompression, read_mesh, uncompressed, write_mesh
 from meshmark.io.source import SourceFile
-from meshmark.marking.embedding import embed
+from meshmark.marking.both_layers import embed
 from meshmark.marking.embedding_result import Embedding
 from meshmark.marking.undo import sealed
 from meshmark.marking.verification import verify

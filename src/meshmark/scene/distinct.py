@@ -14,16 +14,14 @@ from typing import Any, Protocol, cast, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
 
 from meshmark.document import Attributes, Document
-from meshmark.geometry.components import connected_components
-from meshmark.geometry.copies import FIRST_LARGEST
 from meshmark.geometry.surface import Surface
 from meshmark.io.placement import Affine, Placement
 from meshmark.io.save import conform
 from meshmark.io.source import SourceFile
 from meshmark.mesh import FloatArray, IntArray, Mesh
+from meshmark.scene.showings import faces_once, maps_between, placement_ranks
 
 __all__ = ["Distinct", "Piece", "as_shown", "distinct", "scene_of"]
 
@@ -241,7 +239,7 @@ def distinct(mesh: Mesh) -> Distinct | None:
     if len(slots) == len(np.unique(slots)):
         return None
     showing = np.repeat(np.arange(len(placements)), [len(item.slots) for item in placements])
-    rank = _ranks(slots, showing, placements)
+    rank = placement_ranks(slots, showing, placements)
     order = np.argsort(rank[showing], kind="stable")
     _, first, slot = np.unique(slots[order], return_index=True, return_inverse=True)
     source = np.empty(len(slots), np.int64)
@@ -249,9 +247,14 @@ def distinct(mesh: Mesh) -> Distinct | None:
     if (mesh.vertices == mesh.vertices[source]).all():
         return None
     rows, row = np.unique(source, return_inverse=True)
-    faces = _once(row[mesh.faces], rank[showing[mesh.faces[:, 0]]])
+    faces = faces_once(row[mesh.faces], rank[showing[mesh.faces[:, 0]]])
     found = Distinct(
-        scene=mesh, mesh=mesh, rows=rows, row=row, showing=showing, maps=_maps(showing, source, placements)
+        scene=mesh,
+        mesh=mesh,
+        rows=rows,
+        row=row,
+        showing=showing,
+        maps=maps_between(showing, source, placements),
     )
     if np.abs(found.images() - mesh.vertices).max() > _SAME * np.abs(mesh.vertices).max():
         return None
@@ -260,47 +263,3 @@ def distinct(mesh: Mesh) -> Distinct | None:
         found,
         mesh=Mesh(once.vertices, once.faces, _Once(distinct=found, vertices=once.vertices, faces=once.faces)),
     )
-
-
-def _ranks(slots: IntArray, showing: IntArray, placements: tuple[Placement, ...]) -> IntArray:
-    """Return the rank of each placement; what two of them show is taken from the one of lower rank."""
-    count = len(placements)
-    links = csr_array(
-        (np.ones(len(slots), np.int8), (showing, slots + count)),
-        shape=(count + int(slots.max()) + 1,) * 2,
-    )
-    group = connected_components(links)[1][:count]
-    scale = np.array([abs(np.linalg.det(item.affine.linear)) ** (1 / 3) for item in placements])
-    largest = np.zeros(int(group.max()) + 1)
-    np.maximum.at(largest, group, scale)
-    share = scale / largest[group]
-    share[share >= FIRST_LARGEST] = 1.0
-    rank = np.empty(count, np.int64)
-    rank[np.argsort(-share, kind="stable")] = np.arange(count)
-    return rank
-
-
-def _once(faces: IntArray, rank: IntArray) -> IntArray:
-    """Return the faces (m, 3) without those that a placement of lower rank shows, too; rank: (m,)."""
-    start = faces.argmin(axis=1)
-    keys = faces[np.arange(len(faces))[:, None], (start[:, None] + np.arange(3)) % 3]
-    order = np.lexsort((rank, keys[:, 2], keys[:, 1], keys[:, 0]))
-    new = np.ones(len(faces), bool)
-    new[1:] = (keys[order[1:]] != keys[order[:-1]]).any(axis=1)
-    lowest = rank[order][np.flatnonzero(new)][np.cumsum(new) - 1]
-    kept = np.zeros(len(faces), bool)
-    kept[order] = rank[order] == lowest
-    return np.asarray(faces[kept])
-
-
-def _maps(
-    showing: IntArray, source: IntArray, placements: tuple[Placement, ...]
-) -> dict[tuple[int, int], Affine]:
-    count = len(placements)
-    pairs = [divmod(int(value), count) for value in np.unique(showing * count + showing[source])]
-    inverse = {one: placements[one].affine.inverse() for one in {pair[1] for pair in pairs}}
-    same = Affine.identity()
-    return {
-        (image, one): same if image == one else placements[image].affine.after(inverse[one])
-        for image, one in pairs
-    }

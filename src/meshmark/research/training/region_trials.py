@@ -14,7 +14,7 @@ from meshmark.authentication.examination import Examination, examine
 from meshmark.authentication.regions.region_evidence import region_evidence
 from meshmark.coding.keys import Key
 from meshmark.errors import MeshmarkError
-from meshmark.marking.embedding import embed
+from meshmark.marking.both_layers import embed
 from meshmark.mesh import FloatArray, Mesh
 from meshmark.segmentation.analysis import segment
 from meshmark.segmentation.map_segmentation import Regions

@@ -7,12 +7,13 @@ import os
 import shutil
 import tempfile
 from collections.abc import Iterator, Sequence
-from importlib import resources
+from io import BytesIO
 from itertools import count
 from pathlib import Path
 
+from meshmark.data import hare_ply
 from meshmark.errors import InputError
-from meshmark.io import FORMATS, read_mesh, write_mesh
+from meshmark.io import FORMATS, read_mesh, read_mesh_from, write_mesh
 from meshmark.mesh import Mesh
 from meshmark.research.benchmark.run.sample_shape import lopsided
 
@@ -135,8 +136,7 @@ def split_of(model: str) -> str:
 
 def load_shipped() -> Mesh:
     """Return the model that comes with the package."""
-    with resources.as_file(resources.files("meshmark") / "data" / "hare.ply.gz") as hare:
-        return read_mesh(hare)
+    return read_mesh_from(BytesIO(hare_ply()), "ply", "hare.ply")
 
 
 def write_shipped(folder: Path) -> None:
