@@ -17,8 +17,8 @@ SOURCES = sorted(ROOT.rglob("*.py"))
 # A module imports from its own layer or from those before it.
 LAYERS = (
     "errors", "data", "arrays", "document", "mesh", "threads", "strengths", "coding", "geometry", "io", "scene",
-    "saliency", "segmentation", "network", "certificate", "ownership", "recovery", "authentication", "marking", "attacks",
-    "metrics", "report", "cli", "", "__main__", "research",
+    "saliency", "segmentation", "network", "certificate", "ownership", "recovery", "authentication", "marking",
+    "attacks", "metrics", "report", "cli", "", "__main__", "research",
 )  # fmt: skip
 # The same of the folders within a folder.
 INSIDE = {

@@ -203,7 +203,9 @@ def test_each_layer_alone_is_there_for_copies(tmp_path):
     assert authenticate(Mesh(upper.mesh.vertices, upper.mesh.faces), KEY).verdict == "authentic"
 
 
-@pytest.mark.parametrize("whole", [Whole(12, 0.5), Whole(12, 0.5, 6), Whole()])
+@pytest.mark.parametrize(
+    "whole", [Whole(points=12, area=0.5), Whole(points=12, area=0.5, distinct=6), Whole()]
+)
 def test_a_payload_keeps_how_many_points_are_no_copies(whole):
     packed = pack("bytes", b"text", whole)
     assert unpack(packed) == Payload(kind="bytes", content=b"text", whole=whole)

@@ -47,7 +47,7 @@ def faces_once(faces: IntArray, rank: IntArray) -> IntArray:
 def maps_between(
     showing: IntArray, source: IntArray, placements: tuple[Placement, ...]
 ) -> dict[tuple[int, int], Affine]:
-    """Return, for each (image, original) pair of placements that a vertex has, the map from the one to the other."""
+    """Return the map from original to image of each pair (image, original) of placements that a vertex has."""
     count = len(placements)
     pairs = [divmod(int(value), count) for value in np.unique(showing * count + showing[source])]
     inverse = {one: placements[one].affine.inverse() for one in {pair[1] for pair in pairs}}

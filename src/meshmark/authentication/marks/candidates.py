@@ -56,7 +56,7 @@ _PLACES: Final = 2
 _SHIFT: Final = 0.381966
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Candidates:
     """c candidates.
 
@@ -81,13 +81,16 @@ class Candidates:
 
     def take(self, rows: IntArray | NDArray[np.bool_]) -> Candidates:
         """Return these rows."""
-        return Candidates(*(getattr(self, field.name)[rows] for field in fields(self)))
+        return Candidates(**{field.name: getattr(self, field.name)[rows] for field in fields(self)})
 
 
 def joined(parts: list[Candidates]) -> Candidates:
     """Return the candidates of several lists, at least one, in one."""
     return Candidates(
-        *(np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(Candidates))
+        **{
+            field.name: np.concatenate([getattr(part, field.name) for part in parts])
+            for field in fields(Candidates)
+        }
     )
 
 
@@ -171,17 +174,17 @@ def candidates(
     index = (words[:, 0] & np.uint64(0xFFFFFFFF)).astype(np.uint32)
     boundary = rings.boundary[row[:, None], order] @ (1 << np.arange(size))
     return Candidates(
-        vertex,
-        level[row],
-        step[row] * shapes.size[row],
-        axes,
-        shapes.centre[row],
-        kind,
-        index,
-        words,
-        place,
-        np.round(place).astype(np.int64),
-        boundary,
+        vertex=vertex,
+        level=level[row],
+        step=step[row] * shapes.size[row],
+        axes=axes,
+        centre=shapes.centre[row],
+        kind=kind,
+        index=index,
+        words=words,
+        place=place,
+        whole=np.round(place).astype(np.int64),
+        boundary=boundary,
     )
 
 

@@ -19,7 +19,7 @@ __all__ = ["RingShapes", "frames", "ring_shapes", "spreads_from", "starts"]
 _TINY = 1e-30
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class RingShapes:
     """Shapes of r rings of k neighbours.
 
@@ -42,7 +42,7 @@ class RingShapes:
 
     def take(self, rows: IntArray | NDArray[np.bool_]) -> RingShapes:
         """Return these rows."""
-        return RingShapes(*(getattr(self, field.name)[rows] for field in fields(self)))
+        return RingShapes(**{field.name: getattr(self, field.name)[rows] for field in fields(self)})
 
 
 def ring_shapes(points: FloatArray, rings: Rings) -> RingShapes:
@@ -58,14 +58,16 @@ def ring_shapes(points: FloatArray, rings: Rings) -> RingShapes:
     distance = np.sqrt(np.einsum("rki,rki->rk", offsets, offsets))
     step = following - offsets
     normal = area / np.maximum(extent, _TINY)[:, None]
+    spread, sway = _growth(_rolled(offsets, distance.argmax(axis=1)), normal, np.maximum(extent, _TINY))
     return RingShapes(
-        centre,
-        size,
-        offsets,
-        normal,
-        distance,
-        np.sqrt(np.einsum("rki,rki->rk", step, step)),
-        *_growth(_rolled(offsets, distance.argmax(axis=1)), normal, np.maximum(extent, _TINY)),
+        centre=centre,
+        size=size,
+        offsets=offsets,
+        normal=normal,
+        distance=distance,
+        chord=np.sqrt(np.einsum("rki,rki->rk", step, step)),
+        spread=spread,
+        sway=sway,
     )
 
 

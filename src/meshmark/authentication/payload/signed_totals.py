@@ -36,7 +36,7 @@ COPIES = _MORE.size
 _APART = 20.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Whole:
     """points: that faces use, 0 where they are not counted; area: in squares of half the diagonal, 0: unknown.
 
@@ -60,8 +60,9 @@ class Whole:
     @staticmethod
     def read(packed: bytes) -> Whole:
         """Undo `packed`."""
-        more = _MORE.unpack(packed[SIZE:]) if len(packed) > SIZE else ()
-        return Whole(*_FORM.unpack(packed[:SIZE]), *more)
+        points, area = _FORM.unpack(packed[:SIZE])
+        (distinct,) = _MORE.unpack(packed[SIZE:]) if len(packed) > SIZE else (0,)
+        return Whole(points=points, area=area, distinct=distinct)
 
 
 def whole_of(surface: Surface, precision: float, scene: Distinct | None = None) -> Whole:
@@ -74,10 +75,11 @@ def whole_of(surface: Surface, precision: float, scene: Distinct | None = None) 
     apart = bool((np.einsum("ij,ij->i", steps, steps) > (_APART * precision) ** 2).all())
     half, areas = 0.5 * surface.diagonal, surface.face_areas
     if scene is None:
-        return Whole(int(used.sum()) if apart else 0, float(areas.sum()) / half**2)
+        return Whole(points=int(used.sum()) if apart else 0, area=float(areas.sum()) / half**2)
     times = scene.shown(surface)
     area = float(areas @ times[surface.faces[:, 0]])
-    return Whole(int(times[used].sum()) if apart else 0, area / half**2, int(used.sum()))
+    points = int(times[used].sum()) if apart else 0
+    return Whole(points=points, area=area / half**2, distinct=int(used.sum()))
 
 
 def points_shown(surface: Surface) -> int:
