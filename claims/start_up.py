@@ -7,7 +7,7 @@ system time of several fresh processes, byte code being there; beside it that of
 `import scipy.sparse`, which embedding cannot do without, and of `import typer`, by which a slow or busy machine
 shows.
 Then the files of the core install: meshmark without extras and all that it needs, with and without byte code (bar:
-250 MB without). Exit 1 where a bar is missed.
+250 MB without). Exit 1 where a bar is missed. For docs/decisions/0015-by-hand-or-library.md.
 """
 
 from __future__ import annotations

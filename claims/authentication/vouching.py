@@ -54,7 +54,7 @@ class Vouching:
         shapes = [ring_shapes(points, group) for group in self._rings]
         parts = list(zip(self._rings, shapes, strict=True))
         setting = likeliest_setting(points, self._rings, shapes, key, None)
-        swept = None if setting is None else sweep(points, parts, setting, key, None)
+        swept = None if setting is None else sweep(points, parts, setting, key, nonce=None)
         if setting is None or swept is None:
             raise mm.InputError("the model carries no marks of authentication, expected an authentic one")
         holds = swept.read.holds

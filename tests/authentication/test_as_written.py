@@ -114,16 +114,17 @@ def test_a_certificate_without_the_lock_proves_nothing(marked, certificate):
 
 
 def test_an_id_on_top_of_marks_that_would_call_it_altered_is_refused(model, monkeypatch):
-    from meshmark.marking import layers
+    from meshmark.marking import both_layers
 
     first = embed(model, KEY, id=ID, layers="authentication", payload="none")
-    below = embed(model, KEY, id=ID + 1, layers="ownership")
+    below = both_layers.embed_repeated(model, KEY, id=ID + 1)
     # As where the id moves only a part of the surface: the other marks hold still.
     half = np.where(model.vertices[:, :1] > 0.0, first.mesh.vertices, below.mesh.vertices)
     monkeypatch.setattr(
-        layers, "embed_ownership", lambda *_, **__: replace(below, mesh=Mesh(half, model.faces))
+        both_layers, "embed_repeated", lambda *_, **__: replace(below, mesh=Mesh(half, model.faces))
     )
-    monkeypatch.setattr(layers, "plans", lambda *_: iter(()))  # no room for new marks: the id alone is left
+    # No room for new marks: the id alone is left.
+    monkeypatch.setattr("meshmark.marking.authentication_layer.plans", lambda *_: iter(()))
     for asked in ("ownership", None):
         with pytest.raises(CapacityError, match="carries authentication marks of this key already"):
             embed(first.mesh, KEY, id=ID + 1, layers=asked)

@@ -21,7 +21,7 @@ from tests.shapes import pebble
 IDENTITY = "0123456789abcdef"
 EMBED = {
     "id", "layers", "vertices", "faces", "carriers", "mark_vertices", "payload_bytes", "rms_over_diagonal",
-    "max_over_diagonal", "psnr_db", "verified", "seconds",
+    "max_over_diagonal", "psnr_db", "seconds",
 }  # fmt: skip
 EXTRACT = {
     "presence", "id", "log10_false_positive", "mode", "carriers", "carriers_agreeing", "lock_score", "advice",
@@ -62,7 +62,6 @@ def test_keygen_never_overwrites(cli, tmp_path):
 def test_embed_gives_the_fields_of_the_contract(files):
     assert files.printed.keys() >= EMBED
     assert files.printed["id"] == IDENTITY
-    assert files.printed["verified"] is True
     assert files.printed["layers"] == "both"
     assert files.printed["mark_vertices"] > 0
     assert files.printed["payload_bytes"] > 0

@@ -14,7 +14,7 @@ from refusals import assert_refused, snapshot
 import meshmark as mm
 from meshmark.cli.demo import NOISE, SCALE, travelled
 from meshmark.cli.demo_damage import PUSH, bent
-from meshmark.marking import layers
+from meshmark.marking import mark_request
 from tests.shapes import pebble
 
 
@@ -34,7 +34,7 @@ def other(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_the_id_comes_back_from_the_changed_copy(cli, folder, monkeypatch):
     # Half a hare has cells enough for the id with about half of all keys and ids; these are one such pair.
     mm.Key(bytes(32)).save(folder / "demo.key")
-    monkeypatch.setattr(layers, "random_id", lambda: 1000)
+    monkeypatch.setattr(mark_request, "random_id", lambda: 1000)
     ran = cli("demo", "--out", folder)
     assert ran.code == 0, ran
     assert ran.err == ""

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -81,7 +83,7 @@ def test_alternatives_are_the_four_proper_sign_patterns_and_exchanges_only_where
         np.testing.assert_allclose(np.abs(turn), np.eye(3), atol=1e-12)
         assert np.linalg.det(turn) == pytest.approx(1.0)
     ring = canonical_frame(points * [1.0, 1.0, 1.0], faces)
-    sphere = type(ring)(ring.centre, ring.scale, ring.axes, np.array([0.34, 0.33, 0.33]), ring.area)
+    sphere = replace(ring, moments=np.array([0.34, 0.33, 0.33]), skewness=np.zeros(3))
     wide = [sphere.axes.T @ other.axes for other in frame_alternatives(sphere, exchange=True)]
     assert len({tuple(np.round(turn, 6).ravel()) for turn in wide}) == 24  # all rotations of a cube
 

@@ -221,7 +221,7 @@ def test_the_program_prints_one_table_and_exits_1_where_a_bar_is_missed(
 
 def test_a_model_without_room_counts_against_its_bar(subject, monkeypatch, capsys):
     small = Subject("small", subject.mesh)
-    small.__dict__["marked"] = replace(subject.marked, layers="ownership")
+    small.__dict__["marked"] = replace(subject.marked, authentication=None)
     monkeypatch.setattr(program, "subjects", lambda *_: iter([small]))
     monkeypatch.setattr("sys.argv", ["bars", "benign"])
     assert program.main() == 1

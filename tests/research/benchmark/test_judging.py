@@ -143,7 +143,7 @@ class Coded:
 
 def test_raw_errors_count_the_code_bits_that_were_seen(models, tmp_path, monkeypatch):
     schemes = {"coded": Coded()}
-    for module in ("marking", "judging"):
+    for module in ("marked_model", "judging"):
         monkeypatch.setattr(f"meshmark.research.benchmark.run.{module}.SCHEMES", schemes)
     each = case("none", scheme="coded")
     mark(models, tmp_path, mark_of(each))
