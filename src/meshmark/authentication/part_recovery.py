@@ -29,6 +29,11 @@ __all__ = ["Recovery", "recover"]
 
 
 _LEFT = "What differs by no more than the miniature itself is off is left as it is."
+_CUT = "Altered parts that could not be moved back were cut out, and nothing takes their place."
+_APART = (
+    "What was altered is a connected component of its own, or part of one, which cannot be moved back onto the "
+    "miniature: it is left as it is."
+)
 _OPEN = "A hole is left open that meets a border of the model's own, or for which the miniature has nothing."
 
 
@@ -137,12 +142,16 @@ def recover(mesh: Mesh, key: Key, *, reference: Certificate | Mesh | None = None
     else:
         whole, moved, removed, _ = _of_file(mesh, found.surface, made)
     added = int(made.added.sum())
-    if not (moved or removed or added):
+    # Points that nobody added are not to go without anything in their place.
+    only_cut = removed > 0 and not (moved or added) and found.points_missing == 0
+    if only_cut or not (moved or removed or added):
         advice = "What was altered is less than the miniature tells, or out of its reach."
         if not found.altered.any():
             advice = "Whole parts are missing, which the miniature does not have; they are not brought back."
         if _left_open(found, made):
             advice = f"Nothing was brought back. {_OPEN}"
+        if only_cut:
+            advice = _APART
         return Recovery(
             mesh=None,
             altered_area_fraction=share,
@@ -155,6 +164,8 @@ def recover(mesh: Mesh, key: Key, *, reference: Certificate | Mesh | None = None
     advice = "The altered parts are back as the miniature has them."
     if not found.altered.any():
         advice = "The missing parts are back as the miniature has them."
+    if removed and not added and found.points_missing == 0:
+        advice += f" {_CUT}"
     if _left_open(found, made):
         advice += f" {_OPEN}"
     if made.left:
