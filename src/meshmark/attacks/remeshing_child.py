@@ -17,7 +17,7 @@ PASSES = 10
 
 def _main() -> None:
     """Read, remesh, write."""
-    from gpytoolbox import remesh_botsch  # type: ignore[import-untyped]
+    from gpytoolbox import remesh_botsch
 
     with np.load(io.BytesIO(sys.stdin.buffer.read())) as got:
         points, faces, edge, seconds = got["points"], got["faces"], float(got["edge"]), int(got["seconds"])
