@@ -36,7 +36,9 @@ class Surroundings:
 def surroundings_of(cells: Cells, placed: FloatArray, faces: IntArray) -> Surroundings:
     """Measure a surface with points `placed` (p, 3) in lattice coordinates, seen by all its cells."""
     mass, flatness, offset = EXTRACT_SELECTION
-    surface = cells.mass * PLANE_MASS / cells.flatness
+    # Where all fluxes cancel, mass and flatness are both 0, and how much surface there is cannot be told.
+    flat = cells.flatness > 0.0
+    surface = np.divide(cells.mass * PLANE_MASS, cells.flatness, out=np.zeros(len(flat)), where=flat)
     folded = cells.flatness <= flatness
     # Of a cell beside the surface another one has the surface in its middle.
     counted = folded | (np.abs(cells.offset) < offset)
