@@ -111,27 +111,11 @@ def recover(mesh: Mesh, key: Key, *, reference: Certificate | Mesh | None = None
         )
     payload = found.payload
     if payload is None or payload.kind != "miniature":
-        return Recovery(
-            mesh=None,
-            altered_area_fraction=share,
-            vertices_moved=0,
-            vertices_removed=0,
-            faces_added=0,
-            advice=_why_not(found),
-            seconds=perf_counter() - start,
-        )
+        return _unrecovered(share, _why_not(found), start)
     try:
         made = recover_surface(found.surface, found.altered, payload.content, missing=missing)
     except InputError as error:
-        return Recovery(
-            mesh=None,
-            altered_area_fraction=share,
-            vertices_moved=0,
-            vertices_removed=0,
-            faces_added=0,
-            advice=f"It cannot be recovered: {error}.",
-            seconds=perf_counter() - start,
-        )
+        return _unrecovered(share, f"It cannot be recovered: {error}.", start)
     once = distinct(mesh)
     if once is not None:
         surface = replace(found.surface, point_of_vertex=found.surface.point_of_vertex[once.rows])
@@ -152,15 +136,7 @@ def recover(mesh: Mesh, key: Key, *, reference: Certificate | Mesh | None = None
             advice = f"Nothing was brought back. {_OPEN}"
         if only_cut:
             advice = _APART
-        return Recovery(
-            mesh=None,
-            altered_area_fraction=share,
-            vertices_moved=0,
-            vertices_removed=0,
-            faces_added=0,
-            advice=advice,
-            seconds=perf_counter() - start,
-        )
+        return _unrecovered(share, advice, start)
     advice = "The altered parts are back as the miniature has them."
     if not found.altered.any():
         advice = "The missing parts are back as the miniature has them."
@@ -182,6 +158,19 @@ def recover(mesh: Mesh, key: Key, *, reference: Certificate | Mesh | None = None
         advice=advice,
         seconds=perf_counter() - start,
         lost=lost,
+    )
+
+
+def _unrecovered(share: float, advice: str, start: float) -> Recovery:
+    """Return that nothing was brought back; share: altered, of the surface; start: of the work, in seconds."""
+    return Recovery(
+        mesh=None,
+        altered_area_fraction=share,
+        vertices_moved=0,
+        vertices_removed=0,
+        faces_added=0,
+        advice=advice,
+        seconds=perf_counter() - start,
     )
 
 
