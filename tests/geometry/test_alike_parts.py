@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from meshmark.geometry.congruence import Tolerance
+from meshmark.geometry.connected import Parts
 from meshmark.geometry.copies import find_copies
 from tests.copies_samples import placed
 from tests.shapes import pebble
@@ -22,7 +23,7 @@ def scene(*matrices):
 
 def test_the_largest_is_the_original_and_the_maps_lead_to_the_others():
     points, faces = scene(placed((0, 0, 0), 1, 0.5), placed((4, 0, 0), 2), placed((8, 0, 0), 3, 0.8, True))
-    found = find_copies(points, faces, 64, EXACT)
+    found = find_copies(points, Parts(points, faces), 64, EXACT)
     assert (found.place.reshape(3, -1) == [[1], [0], [2]]).all()
     np.testing.assert_array_equal(found.original.reshape(3, -1) % COUNT, [np.arange(COUNT)] * 3)
     assert (found.original // COUNT == 1).all()
@@ -35,7 +36,7 @@ def test_copies_are_found_whatever_the_order_of_their_points():
     points, faces = scene(np.eye(4), placed((4, 0, 0), 2, 0.9))
     order = np.concatenate([np.arange(COUNT), COUNT + np.random.default_rng(3).permutation(COUNT)])
     rank = np.argsort(order)
-    found = find_copies(points[order], rank[faces], 64, EXACT)
+    found = find_copies(points[order], Parts(points[order], rank[faces]), 64, EXACT)
     np.testing.assert_array_equal(order[found.original[COUNT:]], order[COUNT:] - COUNT)
 
 
@@ -48,9 +49,9 @@ def test_small_parts_belong_to_the_copy_that_they_lie_about():
     rows = []
     for turns in range(4):  # each turn takes the copies onto each other
         rows.append((tree + np.array([6, 1, 0])) @ np.linalg.matrix_power(quarter, turns).T)
-    found = find_copies(
-        np.concatenate(rows), np.concatenate([faces + i * len(tree) for i in range(4)]), 64, EXACT
-    )
+    points = np.concatenate(rows)
+    parts = Parts(points, np.concatenate([faces + i * len(tree) for i in range(4)]))
+    found = find_copies(points, parts, 64, EXACT)
     places = found.place.reshape(4, -1)
     assert (places == places[:, :1]).all()
     assert sorted(places[:, 0]) == [0, 1, 2, 3]
@@ -64,8 +65,8 @@ def test_a_changed_copy_is_found_only_where_it_is_asked_for(cut):
         faces = faces[~near[faces].any(axis=1)]
     else:
         points = points + near[:, None] * [0.1, 0, 0]
-    assert find_copies(points, faces, 64, EXACT) is None
-    found = find_copies(points, faces, 64, EXACT, edited="cut" if cut else "moved")
+    assert find_copies(points, Parts(points, faces), 64, EXACT) is None
+    found = find_copies(points, Parts(points, faces), 64, EXACT, edited="cut" if cut else "moved")
     used = np.isin(np.arange(2 * COUNT), faces)
     assert (found.place[used] == np.repeat([0, 1], COUNT)[used]).all()
 
@@ -73,5 +74,5 @@ def test_a_changed_copy_is_found_only_where_it_is_asked_for(cut):
 def test_parts_that_differ_by_what_a_mark_moves_are_no_copies():
     points, faces = scene(np.eye(4), placed((4, 0, 0), 2))
     points[COUNT:] += 1e-3 * np.random.default_rng(5).normal(size=(COUNT, 3))
-    assert find_copies(points, faces, 64, Tolerance(3e-4, 2e-6)) is None
-    assert find_copies(POINTS, FACES, 64, EXACT) is None
+    assert find_copies(points, Parts(points, faces), 64, Tolerance(3e-4, 2e-6)) is None
+    assert find_copies(POINTS, Parts(POINTS, FACES), 64, EXACT) is None

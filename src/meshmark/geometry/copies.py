@@ -47,16 +47,15 @@ class Copies:
 
 
 def find_copies(
-    points: FloatArray, faces: IntArray, least: int, tolerance: Tolerance, *, edited: str = "none"
+    points: FloatArray, parts: Parts, least: int, tolerance: Tolerance, *, edited: str = "none"
 ) -> Copies | None:
     """Return what copies there are among the parts of a surface, None where there are none.
 
-    points: (p, 3); faces: (m, 3), parts are what they connect. least: points of the smallest part that is taken for
+    points: (p, 3); parts: of their surface. least: points of the smallest part that is taken for
     a copy by itself; smaller ones are where they lie like the others of a copy. edited: "moved" for parts of which
     points were moved since they were copies, "cut" also for those with other faces; their points are copies of the
     nearest ones.
     """
-    parts = Parts(points, faces)
     groups = parts.alike(least)
     if sum(map(len, groups)) < 2 or not (edited == "cut" or any(len(group) > 1 for group in groups)):
         return None

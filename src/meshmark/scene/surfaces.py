@@ -10,6 +10,7 @@ import numpy as np
 
 from meshmark.geometry.affine import Affine
 from meshmark.geometry.congruence import Tolerance
+from meshmark.geometry.connected import Parts
 from meshmark.geometry.copies import Copies, find_copies
 from meshmark.geometry.shown import Shown
 from meshmark.geometry.surface import Surface
@@ -134,14 +135,16 @@ def repeated(mesh: Mesh, *, cut: bool = False) -> Iterator[Copies]:
     """
     surface, seen = surface_of(mesh), list[Copies]()
     first = surface.vertex_of_point
+    parts = Parts(surface.points, surface.faces)
+    by_vertex = Parts(mesh.vertices, mesh.faces) if len(surface.points) < len(mesh.vertices) else None
     for least, tolerance, edited in (*_TRIED, *(_TRIED_TOO if cut else ())):
-        found = find_copies(surface.points, surface.faces, least, tolerance, edited=edited)
+        found = find_copies(surface.points, parts, least, tolerance, edited=edited)
         if found is not None:
             point = surface.point_of_vertex
             found = Copies(original=first[found.original[point]], place=found.place[point], maps=found.maps)
-        elif len(surface.points) < len(mesh.vertices):
+        elif by_vertex is not None:
             # Copies may touch, as the halves of a mirrored model do; their vertices distinguish them.
-            found = find_copies(mesh.vertices, mesh.faces, least, tolerance, edited=edited)
+            found = find_copies(mesh.vertices, by_vertex, least, tolerance, edited=edited)
         if found is not None and not any(_same(found, other) for other in seen):
             seen.append(found)
             yield found
