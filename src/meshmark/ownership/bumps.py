@@ -16,9 +16,13 @@ from meshmark.geometry.frame import surface_moments
 from meshmark.geometry.open_edges import sample_open_edges
 from meshmark.geometry.sampling import Sampler, Samples
 from meshmark.geometry.splines import spline_weights
+from meshmark.geometry.visibility import VisibleChange
+from meshmark.geometry.stiffness import stiffness
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.ownership.carriers.cells import Cells, border_gradient, cell_gradient
 from meshmark.ownership.carriers.lattice import Lattice
+from meshmark.ownership import x_experiment as X
+from meshmark.ownership.masking import mask, roughness
 from meshmark.ownership.parameters import LONGEST_SAMPLE
 
 __all__ = ["FRAME_ROWS", "Bumps", "frame_gradient", "frame_values", "symmetric"]
@@ -36,8 +40,10 @@ LEAST_FREEDOM = 0.05
 # budget and show as a dent: it is left as it is, one wrong bit at worst half the time, which the code repairs.
 DEAREST = 6.0
 RIDGE = 1e-9
+# Energy of a displacement itself, beside that of its slopes, per spacing^2: bumps decay within 1 / sqrt of this.
+DECAY = X.DECAY
 # Knots of the B-splines, in spacings: wider ones make smoother bumps, which disturb marks of other keys more.
-PITCH = 0.2
+PITCH = X.PITCH
 
 
 def frame_values(points: FloatArray, faces: IntArray) -> FloatArray:
@@ -112,14 +118,20 @@ class Bumps:
         offsets = cell_gradient(samples, cells) @ sampler.normal_motion(samples, self.normals)
         offsets = sp.csr_array(offsets + _border_part(placed, faces, self.normals, cells))
         frame = frame_gradient(lattice.points(placed), faces, self.normals @ lattice.axes)
-        steep = np.abs(frame).max(axis=0) * areas.sum() / STEEPEST
-        weights = np.maximum(np.maximum(areas, LEAST_AREA * areas.mean()), steep) / areas.mean()
-        self._splines = spline_weights(placed, PITCH)
         gradient = sp.vstack([sp.csr_array(lattice.spacing * frame), offsets], format="csr")
-        onto = sp.csr_array(self._splines.T @ gradient.T)
-        under = self._splines.T @ weights
-        self._heights = sp.csr_array(onto.multiply(1.0 / under[:, None]))
-        gram = (onto.T @ self._heights).toarray()
+        energy = visible_energy(placed, faces, areas, self.normals, frame)
+        splines = spline_weights(placed, PITCH)
+        if splines.shape[1] > len(placed):
+            splines = sp.eye_array(len(placed), format="csr")
+        self._splines = sp.csr_array(splines)
+        from scipy.sparse.linalg import splu
+
+        reduced = sp.csc_array(self._splines.T @ energy @ self._splines)
+        reduced = sp.csc_array(reduced + 1e-6 * float(np.median(reduced.diagonal())) * sp.eye_array(reduced.shape[0]))
+        onto = sp.csr_array(self._splines.T @ gradient.T).toarray()
+        self._heights = splu(reduced, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}).solve(onto)
+        gram = onto.T @ self._heights
+        gram = 0.5 * (gram + gram.T)
         rows = _independent(gram, FRAME_ROWS)
         inverse = _inverse(gram, rows)
         if len(rows) > FRAME_ROWS:
@@ -192,3 +204,24 @@ def _independent(gram: FloatArray, first: int) -> IntArray:
         factor[:, step] = column
         rest = np.maximum(rest - column * column, 0.0)
     return np.sort(chosen)
+
+
+def visible_energy(
+    placed: FloatArray, faces: IntArray, areas: FloatArray, normals: FloatArray, frame: FloatArray
+) -> sp.csr_array:
+    """Return (p, p): how visible a displacement along the normals is, the integral of m (DECAY d^2 + |grad d|^2).
+
+    A slope of the displacement turns the normals; m, the mask, is small where the surface is rough.
+    """
+    steep = np.abs(frame).max(axis=0) * areas.sum() / STEEPEST
+    mass = np.maximum(areas, LEAST_AREA * areas.mean())
+    rough = roughness(normals, mass, stiffness(placed, faces))
+    stiff = stiffness(placed, faces)
+    if X.MASK:
+        noticed = VisibleChange(placed, faces).noticed_at(mass, stiff)
+        weights = noticed ** (-X.MASK)
+        weights /= weights @ mass / mass.sum()
+    else:
+        weights = mask(rough, mass)
+    slopes = stiffness(placed, faces, weights[faces].mean(axis=1))
+    return sp.csr_array(sp.diags_array(DECAY * weights * np.maximum(mass, steep)) + slopes)

@@ -34,6 +34,7 @@ from meshmark.ownership.search.search import Search
 from meshmark.ownership.search.trials import TrialCounter
 from meshmark.ownership.shaping import Shaping
 from meshmark.ownership.shortfall import why_not
+from meshmark.ownership import x_experiment as X
 from meshmark.ownership.vertex_displacement import diagonal_of, displacement_rms
 from meshmark.strengths import BUDGETS, check_strength
 from meshmark.threads import on_one_thread
@@ -135,13 +136,21 @@ def _largest_step(task: _Task, shaping: Shaping) -> Owned | None:
     """Return the mark of largest step within the budget that is read back, or None."""
 
     def affordable(step: float) -> bool:
-        return shaping.rms(step) <= BUDGET_SHARE * task.budget
+        if shaping.rms(step) > BUDGET_SHARE * task.budget:
+            return False
+        seen = shaping.visibility(step)
+        if X.SAY: print(f"   step {step:.4f} share {seen.share:.3f} med {seen.median:.2f} smooth {seen.smooth:.2f} told {shaping.told[0]:.2f} {shaping.told[1]:.2f} rms {shaping.rms(step)/task.budget*.08:.3f}")
+        return shaping.told[0] >= X.TOLD
 
     mesh, surface = task.mesh, task.surface
     likeliest = _is_likeliest(surface, shaping.spacing)
     first = bisect_left(STEPS, True, key=affordable)
     for step in STEPS[first : first + 2 * STEP_TRIES : 2]:
         points = shaping.shaped(float(step))
+        if X.SAY:
+            from meshmark.geometry.visibility import VisibleChange
+            seen = VisibleChange(surface.points, surface.faces).of(points)
+            print(f"   made {step:.4f} share {seen.share:.3f} med {seen.median:.2f} smooth {seen.smooth:.2f} planned {shaping.visibility(step)}")
         moved = (points != surface.points).any(axis=1)[surface.point_of_vertex]
         vertices = np.where(moved[:, None], points[surface.point_of_vertex], mesh.vertices)
         marked = mesh.with_vertices(conform(mesh, vertices))

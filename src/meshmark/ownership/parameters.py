@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Final
 
+import os
+
 import numpy as np
 
 __all__ = [
@@ -58,12 +60,12 @@ BUDGET_SHARE: Final = 0.95
 SPACINGS: Final = 0.5 * 2.0 ** (-np.arange(19) / 4.0)
 # Wanted number of cells, with a patch of area spacing^2 each; fewer carry more energy per bit, more carry more
 # bits.
-CARRIER_GOAL: Final = 300
+CARRIER_GOAL: Final = float(os.environ.get('MM_GOAL','300'))
 # A spacing with this many carriers is taken; else the one with most.
-CARRIER_ENOUGH: Final = 170
+CARRIER_ENOUGH: Final = min(170, 0.73 * CARRIER_GOAL)
 # An extraction that reads at least this number takes the spacing for such a one: more, as an attack may have lost
 # or added some.
-CARRIER_PLENTY: Final = 200
+CARRIER_PLENTY: Final = min(200, 0.8 * CARRIER_GOAL)
 # With fewer carriers of a 64-bit id no decoder can distinguish it from chance (decision 0004).
 CARRIER_MINIMUM: Final = 110
 # Nor is it tried where the cells that are read yield fewer bits than this by hard decisions (64 are needed): of the

@@ -17,13 +17,16 @@ from meshmark.geometry.areas import vertex_areas
 from meshmark.geometry.frame import Frame
 from meshmark.geometry.sampling import plan_samples
 from meshmark.geometry.surface import Surface
+from meshmark.geometry.visibility import Visibility, VisibleChange
 from meshmark.mesh import FloatArray
+from meshmark.ownership import x_experiment as X
 from meshmark.ownership.bumps import FRAME_ROWS, Bumps, frame_values, symmetric
 from meshmark.ownership.carriers.cells import Cells, measure_cells
 from meshmark.ownership.carriers.lattice import Lattice
 from meshmark.ownership.carriers.nodes import find_nodes
 from meshmark.ownership.carriers.quantisation import nearest_offsets
 from meshmark.ownership.carriers.selection import select_cells
+from meshmark.ownership.compensation import compensated
 from meshmark.ownership.parameters import (
     ALIKE,
     DIVERGED,
@@ -58,6 +61,7 @@ class Shaping:
         self.capacity = len(read)
         self._candidates, self._read_too = cells.take(chosen), np.isin(chosen, read)
         self._all = cells
+        self._changes = {}
 
     @property
     def carriers(self) -> int:
@@ -84,6 +88,15 @@ class Shaping:
         length = self._bumps.displacement(self._frame_change, self._change(step))
         means = (length * length) @ np.column_stack([self._copies, self._areas])
         return float(np.sqrt(means.max())) * self._unit
+
+    def visibility(self, step: float) -> Visibility:
+        """Return how visible the mark of this step is, to first order."""
+        length = self._bumps.displacement(self._frame_change, self._change(step))
+        return self._visible_change.of(self._placed + length[:, None] * self._bumps.normals)
+
+    @cached_property
+    def _visible_change(self) -> VisibleChange:
+        return VisibleChange(self._placed, self._surface.faces)
 
     def shaped(self, step: float) -> FloatArray:
         """Return scene positions (p, 3) that carry the bits at this step, as well as the surface lets them.
@@ -153,7 +166,26 @@ class Shaping:
         """Return (f,): the changes of offset, in spacings, that put every free cell on its bit."""
         keys = self._lattice.keys(self._cells.nodes)
         bits = self._bits[keys.code_index].astype(np.int64)
-        return nearest_offsets(self._cells.offset, keys.dither, bits, step, self._bumps.cost)
+        whole = nearest_offsets(self._cells.offset, keys.dither, bits, step, self._bumps.cost)
+        if step not in self._changes:
+            self._changes[step] = compensated(whole, step, self._bumps.cost, self._excess)
+            self.told = float(np.cos(2*np.pi*(whole-self._changes[step])/step).mean()), float(np.cos(4*np.pi*(whole-self._changes[step])/step).mean())
+        return self._changes[step]
+
+    def _excess(self, change: FloatArray) -> FloatArray:
+        length = self._bumps.displacement(self._frame_change, change)
+        ratio = self._visible_change.ratios(self._placed + length[:, None] * self._bumps.normals)
+        return (self._patches @ ratio**4) ** 0.25, float((ratio > 1.0).mean())
+
+    @cached_property
+    def _patches(self) -> FloatArray:
+        """Share (f, patches) of each patch in what is seen of each cell."""
+        cells, visible = self._cells, self._visible_change
+        places = cells.nodes + cells.offset[:, None] * cells.normal
+        square = ((places[:, None, :] - self._placed[visible.centres]) ** 2).sum(axis=2)
+        facing = np.maximum(cells.normal @ self._bumps.normals[visible.centres].T, 0.0)
+        weight = np.exp(-0.5 * square / X.NEAR**2) * facing + 1e-12
+        return weight / weight.sum(axis=1, keepdims=True)
 
     @cached_property
     def _frame_change(self) -> FloatArray:

@@ -1,0 +1,74 @@
+"""Piecewise linear finite elements on a triangle mesh: the stiffness matrix, and diffusion by it.
+
+Source: Pinkall and Polthier, Computing discrete minimal surfaces and their conjugates (1993),
+doi:10.1080/10586458.1993.10504266.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse as sp
+
+from meshmark.mesh import FloatArray, IntArray
+
+__all__ = ["diffused", "stiffness"]
+
+# The cotangents of needle triangles are bounded by counting their area as at least this share of the mean.
+LEAST_FACE = 1e-3
+TOLERANCE = 1e-3
+MOST_STEPS = 300
+
+
+def stiffness(points: FloatArray, faces: IntArray, weights: FloatArray | None = None) -> sp.csr_array:
+    """Return the matrix (p, p) of the integral of `weights` (m,), by face, times grad f . grad g."""
+    corners = [points.take(faces[:, i], axis=0) for i in range(3)]
+    sides = [corners[2] - corners[1], corners[0] - corners[2], corners[1] - corners[0]]
+    twice = np.linalg.norm(np.cross(sides[2], sides[1]), axis=1)
+    twice = np.maximum(twice, LEAST_FACE * twice.mean())
+    scale = 0.5 / twice if weights is None else 0.5 * weights / twice
+    rows, columns, values = [], [], []
+    for i in range(3):
+        for j in range(i, 3):
+            value = scale * np.einsum("mi,mi->m", sides[i], sides[j])
+            rows.append(faces[:, i])
+            columns.append(faces[:, j])
+            values.append(value if i != j else 0.5 * value)
+    count = len(points)
+    half = sp.csr_array(
+        (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=(count, count)
+    )
+    return sp.csr_array(half + half.T)
+
+
+def diffused(
+    values: FloatArray, mass: FloatArray, stiff: sp.csr_array, width: float, steps: int = 2
+) -> FloatArray:
+    """Return values (p, k) after diffusion to a Gaussian of this width, by `steps` implicit Euler steps.
+
+    mass: (p,) lumped, above 0; stiff: from `stiffness`. Conjugate gradients, preconditioned by the diagonal.
+    """
+    matrix = sp.csr_array(sp.diags_array(mass) + width * width / (2.0 * steps) * stiff)
+    inverse = 1.0 / matrix.diagonal()
+    for _ in range(steps):
+        values = _solved(matrix, mass[:, None] * values, values, inverse)
+    return values
+
+
+def _solved(matrix: sp.csr_array, target: FloatArray, start: FloatArray, inverse: FloatArray) -> FloatArray:
+    """Solve matrix x = target (p, k) for all columns together, from a start."""
+    here = start.copy()
+    rest = target - matrix @ here
+    limit = TOLERANCE * np.sqrt(np.einsum("pk,pk,p->k", target, target, inverse)) + 1e-300
+    ahead = inverse[:, None] * rest
+    along, strength = ahead.copy(), np.einsum("pk,pk->k", rest, ahead)
+    for _ in range(MOST_STEPS):
+        if (np.sqrt(strength) <= limit).all():
+            break
+        turned = matrix @ along
+        length = strength / np.maximum(np.einsum("pk,pk->k", along, turned), 1e-300)
+        here += length * along
+        rest -= length * turned
+        ahead = inverse[:, None] * rest
+        previous, strength = strength, np.einsum("pk,pk->k", rest, ahead)
+        along = ahead + strength / np.maximum(previous, 1e-300) * along
+    return here
