@@ -17,8 +17,9 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from meshmark.geometry.areas import vertex_areas_and_normals
+from meshmark.geometry.areas import area_vectors, sum_at_points, vertex_areas_and_normals
 from meshmark.geometry.kd_tree import kd_tree
+from meshmark.geometry.stiffness import diffused
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["Visibility", "VisibleChange"]
@@ -30,7 +31,7 @@ JUST_NOTICED = 0.75
 MASKING = 0.5
 PATCHES = 1500
 # Points of a patch that are used at most, and at least.
-MOST, LEAST = 250, 8
+MOST, LEAST = 100, 8
 # Normals of one patch: others are of the far side of a thin wall.
 SAME_SIDE = 0.3
 
@@ -52,58 +53,86 @@ class Visibility:
 class VisibleChange:
     """The patches of one surface, to judge displacements of its points by.
 
-    Points (p, 3) that faces use; equal points must be one. Patches are spread over the area by a fixed seed.
+    Equal points (p, 3) must be one. Patches are spread over the area by a fixed seed.
+
+    centres: (k,) points that patches lie around. noticed: (k,) change in degrees that is just noticed there.
     """
 
     def __init__(self, points: FloatArray, faces: IntArray) -> None:
-        self._faces = faces
-        areas, self._normals = vertex_areas_and_normals(points, faces)
+        self._points, self._faces = points, faces
+        areas, normals = vertex_areas_and_normals(points, faces)
         used = np.flatnonzero(areas > 0.0)
-        rng = np.random.default_rng(0)
-        radius = RADIUS * float(np.linalg.norm(np.ptp(points[used], axis=0)))
-        share = np.cumsum(areas[used])
-        stratified = (np.arange(PATCHES) + rng.random(PATCHES)) / PATCHES * share[-1]
-        centres = used[np.minimum(np.searchsorted(share, stratified), len(used) - 1)]
-        self.centres = centres
-        tree = kd_tree(points[used])
-        rows, columns, values, detail = [], [], [], np.zeros(PATCHES)
-        for row, centre in enumerate(centres):
-            near = used[tree.query_ball_point(points[centre], radius)]
-            near = near[self._normals[near] @ self._normals[centre] > SAME_SIDE]
-            if len(near) < LEAST:
-                near = used[tree.query(points[centre], min(LEAST, len(used)))[1]]
-            elif len(near) > MOST:
-                near = near[:: len(near) // MOST]
-            weight = areas[near] / areas[near].sum()
-            detail[row] = _detail(points[near] - points[centre], self._normals[near], weight)
-            rows.append(np.full(len(near), row))
-            columns.append(near)
-            values.append(weight)
-        self._mean = sp.csr_array(
-            (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))),
-            shape=(PATCHES, len(points)),
-        )
-        self._noticed = JUST_NOTICED + MASKING * detail
+        self.centres = _spread(used, areas[used])
+        near = _patches(points, normals, used, self.centres)
+        counts = np.array([len(each) for each in near])
+        members = np.concatenate(near)
+        rows = np.repeat(np.arange(PATCHES), counts)
+        weight = areas[members] / np.bincount(rows, areas[members])[rows]
+        place = points[members] - points[self.centres][rows]
+        detail = _detail(place / np.sqrt(np.mean(place**2) + 1e-300), normals[members], weight, rows)
+        self.noticed = JUST_NOTICED + MASKING * detail
         self._smooth = detail <= np.quantile(detail, 0.25)
+        # Only the members' normals are looked at.
+        self._members, columns = np.unique(members, return_inverse=True)
+        self._normals = normals[self._members]
+        self._mean = sp.csr_array((weight, (rows, columns)), shape=(PATCHES, len(self._members)))
 
-    def noticed_at(self, mass: FloatArray, stiff: sp.csr_array) -> FloatArray:
-        """Return the change in degrees (p,) that is just noticed at each point."""
-        from meshmark.geometry.stiffness import diffused
+    def noticed_at(self, mass: FloatArray, stiff: sp.csr_array, width: float) -> FloatArray:
+        """Return the change in degrees (p,) that is just noticed at each point, patches diffused by `width`.
 
-        seen = self._mean.T
-        values = np.column_stack([seen @ self._noticed, seen @ np.ones(PATCHES)])
-        spread = diffused(values / mass[:, None], mass, stiff, 0.3)
-        average = spread[:, 0] / np.maximum(spread[:, 1], 1e-12)
-        return np.asarray(np.where(spread[:, 1] > 1e-9, average, np.median(self._noticed)))
+        mass, stiff: of the surface, as in `diffused`.
+        """
+        seen = np.zeros((len(self._points), 2))
+        seen[self._members, 0] = self._mean.T @ self.noticed
+        seen[self._members, 1] = self._mean.T @ np.ones(PATCHES)
+        spread = diffused(seen / mass[:, None], mass, stiff, width)
+        known = spread[:, 1] > 1e-6 * spread[:, 1].mean()
+        average = spread[:, 0] / np.where(known, spread[:, 1], 1.0)
+        return np.asarray(np.where(known, average, np.median(self.noticed)))
 
-    def ratios(self, points: FloatArray) -> FloatArray:
-        """Return the ratio of each patch where the points (p, 3) are there now."""
-        return self._change(points) / self._noticed
+    def slopes(self, directions: FloatArray) -> sp.csr_array:
+        """Return (3 s, p): change of the patches' normals, to first order, per unit of motion along directions.
+
+        directions: (p, 3). What `ratios_of` takes is this matrix times the motion (p,).
+        """
+        number = np.full(len(self._points), -1)
+        number[self._members] = np.arange(len(self._members))
+        around = self._faces[(number[self._faces] >= 0).any(axis=1)]
+        corners = [self._points.take(around[:, i], axis=0) for i in range(3)]
+        size = np.linalg.norm(
+            sum_at_points(area_vectors(self._points, around), around, len(self._points))[self._members], axis=1
+        )
+        rows, columns, values = [], [], []
+        for mover in range(3):
+            across = corners[(mover + 1) % 3] - corners[(mover + 2) % 3]
+            turned = 0.5 * np.cross(directions[around[:, mover]], across)
+            for corner in range(3):
+                at = number[around[:, corner]]
+                seen = at >= 0
+                at, change = at[seen], turned[seen]
+                normal = self._normals[at]
+                change = change - normal * np.einsum("ij,ij->i", change, normal)[:, None]
+                change /= np.maximum(size[at], 1e-300)[:, None]
+                rows.append((3 * at[:, None] + np.arange(3)).ravel())
+                columns.append(np.repeat(around[seen, mover], 3))
+                values.append(change.ravel())
+        shape = (3 * len(self._members), len(self._points))
+        return sp.csr_array(
+            (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=shape
+        )
+
+    def ratios_of(self, turned: FloatArray) -> FloatArray:
+        """Return the ratio of each patch (k,) for changes of the normals (3 s,), small."""
+        square = (turned.reshape(-1, 3) ** 2).sum(axis=1)
+        return np.asarray(np.degrees(np.sqrt(self._mean @ square)) / self.noticed)
 
     def of(self, points: FloatArray) -> Visibility:
         """Return how visible it is that the points (p, 3) are there now."""
-        change = self._change(points)
-        ratio = change / self._noticed
+        _, normals = vertex_areas_and_normals(points, self._faces)
+        chord = np.linalg.norm(normals[self._members] - self._normals, axis=1)
+        angle = np.degrees(2.0 * np.arcsin(np.minimum(0.5 * chord, 1.0)))
+        change = np.sqrt(self._mean @ angle**2)
+        ratio = change / self.noticed
         return Visibility(
             share=float((ratio > 1.0).mean()),
             median=float(np.median(ratio)),
@@ -111,18 +140,37 @@ class VisibleChange:
             smooth=float(np.sqrt((change[self._smooth] ** 2).mean())),
         )
 
-    def _change(self, points: FloatArray) -> FloatArray:
-        _, normals = vertex_areas_and_normals(points, self._faces)
-        chord = np.linalg.norm(normals - self._normals, axis=1)
-        angle = np.degrees(2.0 * np.arcsin(np.minimum(0.5 * chord, 1.0)))
-        return np.asarray(np.sqrt(self._mean @ angle**2))
+
+def _spread(used: IntArray, areas: FloatArray) -> IntArray:
+    """Return points (k,) of those used, spread by area."""
+    rng = np.random.default_rng(0)
+    share = np.cumsum(areas)
+    drawn = (np.arange(PATCHES) + rng.random(PATCHES)) / PATCHES * share[-1]
+    return np.asarray(used[np.minimum(np.searchsorted(share, drawn), len(used) - 1)])
 
 
-def _detail(places: FloatArray, normals: FloatArray, weight: FloatArray) -> float:
-    """Return the RMS angle, degrees, of normals (k, 3) from their best linear fit over places (k, 3)."""
-    root = np.sqrt(weight)[:, None]
-    design = np.column_stack([np.ones(len(places)), places]) * root
-    values = normals * root
-    fit = np.linalg.lstsq(design, values, rcond=None)[0]
-    rest = values - design @ fit
-    return float(np.degrees(np.sqrt((rest**2).sum())))
+def _patches(points: FloatArray, normals: FloatArray, used: IntArray, centres: IntArray) -> list[IntArray]:
+    """Return the members of the patch around each centre."""
+    radius = RADIUS * float(np.linalg.norm(np.ptp(points[used], axis=0)))
+    tree = kd_tree(points[used])
+    patches = []
+    for centre, near in zip(centres, tree.query_ball_point(points[centres], radius), strict=True):
+        # Sorted, the every n-th of a fine mesh's points does not depend on the tree.
+        members = used[np.sort(near)]
+        members = members[normals[members] @ normals[centre] > SAME_SIDE]
+        if len(members) < LEAST:
+            members = used[np.atleast_1d(tree.query(points[centre], min(LEAST, len(used)))[1])]
+        patches.append(members[:: -(-len(members) // MOST)])
+    return patches
+
+
+def _detail(places: FloatArray, normals: FloatArray, weight: FloatArray, rows: IntArray) -> FloatArray:
+    """Return (k,) the RMS angle, degrees, of normals (n, 3) from their best linear fit over places in each patch."""
+    design = np.column_stack([np.ones(len(places)), places])
+    pairs = design[:, :, None] * np.hstack([design, normals])[:, None, :] * weight[:, None, None]
+    sums = np.zeros((PATCHES, 4, 7))
+    np.add.at(sums, rows, pairs)
+    # Ridge: the points of a flat patch do not determine the slope across it.
+    fit = np.linalg.solve(sums[:, :, :4] + 1e-9 * np.eye(4), sums[:, :, 4:])
+    rest = normals - np.einsum("ni,nij->nj", design, fit[rows])
+    return np.degrees(np.sqrt(np.bincount(rows, weight * (rest**2).sum(axis=1), PATCHES)))

@@ -1,9 +1,8 @@
 """Smooth displacement fields that move many cells' offsets, and the frame, by chosen amounts.
 
-Displacements go along vertex normals, d = P D^-1 P' J' x with J the gradient of offsets and frame moments, P the
-B-splines of a grid finer than the lattice and D the surface under each: a sum of smooth bumps under the windows.
-Without P it would be the field of least energy, d = W^-1 J' x with W the vertex areas, whose kinks show
-(docs/decisions/0011).
+Displacements go along vertex normals, d = P R^-1 P' J' x with J the gradient of offsets and frame moments, P smooth
+functions on the surface and R = P' Q P, Q the visible energy: of all sums of those functions that change offsets and
+moments alike, the least visible (docs/decisions/0019).
 """
 
 from __future__ import annotations
@@ -15,35 +14,28 @@ from meshmark.geometry.areas import area_vectors, vertex_areas_and_normals
 from meshmark.geometry.frame import surface_moments
 from meshmark.geometry.open_edges import sample_open_edges
 from meshmark.geometry.sampling import Sampler, Samples
-from meshmark.geometry.splines import spline_weights
+from meshmark.geometry.surface_basis import surface_basis
 from meshmark.geometry.visibility import VisibleChange
-from meshmark.geometry.stiffness import stiffness
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.ownership.carriers.cells import Cells, border_gradient, cell_gradient
 from meshmark.ownership.carriers.lattice import Lattice
-from meshmark.ownership import x_experiment as X
-from meshmark.ownership.masking import mask, roughness
 from meshmark.ownership.parameters import LONGEST_SAMPLE
+from meshmark.ownership.visible_energy import visible_energy
 
 __all__ = ["FRAME_ROWS", "Bumps", "frame_gradient", "frame_values", "symmetric"]
 
 FRAME_ROWS = 9
 _PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
-# Vertices of tiny area would jump far for little effect; all count at least this share of the mean.
-LEAST_AREA = 0.1
-# Where the surface is rougher than this curvature (over the canonical scale), moments hang on single vertices,
-# which would jump: they weigh more.
-STEEPEST = 40.0
 # A cell whose offset is tied to the others' to this degree cannot be set on its own.
 LEAST_FREEDOM = 0.05
 # A cell that costs this many times what most do (a window on an edge, or on few vertices) would take most of the
 # budget and show as a dent: it is left as it is, one wrong bit at worst half the time, which the code repairs.
 DEAREST = 6.0
 RIDGE = 1e-9
-# Energy of a displacement itself, beside that of its slopes, per spacing^2: bumps decay within 1 / sqrt of this.
-DECAY = X.DECAY
-# Knots of the B-splines, in spacings: wider ones make smoother bumps, which disturb marks of other keys more.
-PITCH = X.PITCH
+# Lift of the energy's diagonal, over its median: functions may coincide where the mesh is coarse.
+LIFT = 1e-6
+# Distance of the nodes of the smooth functions, in spacings.
+PITCH = 0.5
 
 
 def frame_values(points: FloatArray, faces: IntArray) -> FloatArray:
@@ -103,33 +95,33 @@ class Bumps:
     """The smooth displacements for n cells of one surface.
 
     Lengths are in lattice coordinates, changes of frame values in canonical units, of offsets in spacings.
-    normals: (p, 3) in lattice axes.
+    normals: (p, 3) in lattice axes. basis: (p, m) the smooth functions.
     free:   (n,) True for cells that can be set; the others are tied to their neighbours and left alone.
     cost:   (f, f) energy of offset changes of the f free cells, the frame held.
     """
 
     def __init__(
-        self, sampler: Sampler, samples: Samples, cells: Cells, placed: FloatArray, lattice: Lattice
+        self,
+        sampler: Sampler,
+        samples: Samples,
+        cells: Cells,
+        lattice: Lattice,
+        seen: VisibleChange,
     ) -> None:
-        from scipy.linalg import pinvh
+        from scipy.linalg import cho_factor, cho_solve, pinvh
 
-        faces = sampler.faces
+        faces, placed = sampler.faces, samples.positions[: sampler.count]
         areas, self.normals = vertex_areas_and_normals(placed, faces)
         offsets = cell_gradient(samples, cells) @ sampler.normal_motion(samples, self.normals)
         offsets = sp.csr_array(offsets + _border_part(placed, faces, self.normals, cells))
         frame = frame_gradient(lattice.points(placed), faces, self.normals @ lattice.axes)
         gradient = sp.vstack([sp.csr_array(lattice.spacing * frame), offsets], format="csr")
-        energy = visible_energy(placed, faces, areas, self.normals, frame)
-        splines = spline_weights(placed, PITCH)
-        if splines.shape[1] > len(placed):
-            splines = sp.eye_array(len(placed), format="csr")
-        self._splines = sp.csr_array(splines)
-        from scipy.sparse.linalg import splu
-
-        reduced = sp.csc_array(self._splines.T @ energy @ self._splines)
-        reduced = sp.csc_array(reduced + 1e-6 * float(np.median(reduced.diagonal())) * sp.eye_array(reduced.shape[0]))
-        onto = sp.csr_array(self._splines.T @ gradient.T).toarray()
-        self._heights = splu(reduced, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}).solve(onto)
+        self.basis = surface_basis(placed, self.normals, PITCH)
+        energy = (self.basis.T @ visible_energy(placed, faces, areas, frame, seen) @ self.basis).toarray()
+        energy[np.diag_indices_from(energy)] += LIFT * float(np.median(energy.diagonal()))
+        onto = (self.basis.T @ gradient.T).toarray()
+        factor = cho_factor(energy, overwrite_a=True, check_finite=False)
+        self._heights = cho_solve(factor, onto, check_finite=False)
         gram = onto.T @ self._heights
         gram = 0.5 * (gram + gram.T)
         rows = _independent(gram, FRAME_ROWS)
@@ -147,15 +139,18 @@ class Bumps:
 
     def displacement(self, frame: FloatArray, offsets: FloatArray) -> FloatArray:
         """Return (p,) lengths along the normals that change the frame values (9,) and free offsets (f,) so."""
-        amounts = self._inverse @ np.concatenate([frame, offsets])
-        return np.asarray(self._splines @ (self._heights @ amounts))
+        return np.asarray(self.basis @ self.coefficients(frame, offsets))
+
+    def coefficients(self, frame: FloatArray, offsets: FloatArray) -> FloatArray:
+        """Return the same displacement as coefficients (m,) of the functions of `basis`."""
+        return np.asarray(self._heights @ (self._inverse @ np.concatenate([frame, offsets])))
 
     def bend(self, frame: FloatArray) -> FloatArray:
         """Return (p,) lengths that change the frame values (9,) so; offsets may follow.
 
         A gentle bend of the whole, where holding every offset as well would push at the few places without cells.
         """
-        return np.asarray(self._splines @ (self._heights[:, :FRAME_ROWS] @ (self._frame_inverse @ frame)))
+        return np.asarray(self.basis @ (self._heights[:, :FRAME_ROWS] @ (self._frame_inverse @ frame)))
 
 
 def _border_part(points: FloatArray, faces: IntArray, normals: FloatArray, cells: Cells) -> sp.csr_array:
@@ -204,24 +199,3 @@ def _independent(gram: FloatArray, first: int) -> IntArray:
         factor[:, step] = column
         rest = np.maximum(rest - column * column, 0.0)
     return np.sort(chosen)
-
-
-def visible_energy(
-    placed: FloatArray, faces: IntArray, areas: FloatArray, normals: FloatArray, frame: FloatArray
-) -> sp.csr_array:
-    """Return (p, p): how visible a displacement along the normals is, the integral of m (DECAY d^2 + |grad d|^2).
-
-    A slope of the displacement turns the normals; m, the mask, is small where the surface is rough.
-    """
-    steep = np.abs(frame).max(axis=0) * areas.sum() / STEEPEST
-    mass = np.maximum(areas, LEAST_AREA * areas.mean())
-    rough = roughness(normals, mass, stiffness(placed, faces))
-    stiff = stiffness(placed, faces)
-    if X.MASK:
-        noticed = VisibleChange(placed, faces).noticed_at(mass, stiff)
-        weights = noticed ** (-X.MASK)
-        weights /= weights @ mass / mass.sum()
-    else:
-        weights = mask(rough, mass)
-    slopes = stiffness(placed, faces, weights[faces].mean(axis=1))
-    return sp.csr_array(sp.diags_array(DECAY * weights * np.maximum(mass, steep)) + slopes)

@@ -2,63 +2,91 @@
 
 Going only part of the way to a coarser quantiser's point costs less than going the whole way to a fine one, and
 under noise tells more (Chen and Wornell 2001, doi:10.1109/18.923725). How far each cell goes is set by what is seen:
-every part of the surface is changed about as visibly, up to a limit. The reader need not know how far each one went.
+all parts of the surface are changed about as visibly, up to a limit. The reader need not know how far each one went.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
 from meshmark.mesh import FloatArray
-from meshmark.ownership import x_experiment as X
 
-__all__ = ["compensated"]
+__all__ = ["Compensation", "Task"]
 
-ROUNDS = int(X.ROUNDS)
-LEAST_PRICE, MOST_PRICE = 1e-3, 1e3
+ROUNDS = 12
+# Weight of the doubled phases, by which the frame is locked, beside the single ones, by which bits are told.
+LOCK_WEIGHT = 0.1
+# Price of a visible change at first, and its range; the limit on the ratio at first, and its range.
+PRICE = (0.5, 1e-3, 1e3)
+LIMIT = (0.8, 0.5, 1.0)
+SEARCH_STEPS = 40
 
 
-def compensated(
-    change: FloatArray, step: float, cost: FloatArray, excess: Callable[[FloatArray], FloatArray]
-) -> FloatArray:
-    """Return the changes (n,) of offsets that tell most where no cell is too visible.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Task:
+    """What is wanted of n cells, and what it costs.
 
-    Maximises sum [cos t + LOCK_WEIGHT cos 2 t] (step / 2 pi)^2 - x' P C P x / 2, t = 2 pi (change - x) / step, with
-    prices P = diag(p), raised where the change is too visible and lowered where it is less so than it may be.
-
-    cost: C (n, n), energy of changes. excess: returns how visible changes (n,) are at each cell, 1 at the limit.
+    change: (n,) changes of offset, in spacings, to the points of a quantiser of this step. cost: (n, n) energy of
+    changes. locks: (n,) True for cells that are locked by doubled phases. seen: returns for changes (n,) how visible
+    they are at each cell, 1 where just noticed, and the share of the surface where they are visible.
+    share: the largest such share.
     """
-    if not len(change):
-        return change
-    scaled = cost / np.median(np.diag(cost))
-    price = np.full(len(change), 0.5)
-    here = change * 0.7
-    limit = X.RATIO
-    for _ in range(ROUNDS):
-        here = _most_telling(change, step, price[:, None] * scaled * price, here)
-        seen, share = excess(here)
-        limit = np.clip(limit * np.clip((X.SHARE / max(share, 1e-3)) ** 0.15, 0.9, 1.1), 0.5, 1.0)
-        seen = np.maximum(seen / limit, 1e-3)
-        price = np.clip(price * np.clip(seen, 0.5, 2.0), LEAST_PRICE, MOST_PRICE)
-    return here
+
+    change: FloatArray
+    step: float
+    cost: FloatArray
+    locks: FloatArray
+    seen: Callable[[FloatArray], tuple[FloatArray, float]]
+    share: float
 
 
-def _most_telling(change: FloatArray, step: float, cost: FloatArray, start: FloatArray) -> FloatArray:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Compensation:
+    """Changes (n,) of offsets, and the mean cosine of the phases that they leave: 1 where all go the whole way."""
+
+    change: FloatArray
+    told: float
+
+    @classmethod
+    def of(cls, task: Task) -> Compensation:
+        """Return the changes that tell most where no part of the surface is too visible.
+
+        Maximises sum [cos t + w cos 2 t] (step / 2 pi)^2 - x' P C P x / 2, t = 2 pi (change - x) / step, with prices
+        P = diag(p) raised where x is too visible, and lowered where it might be more so.
+        """
+        if not len(task.change):
+            return cls(change=task.change, told=1.0)
+        cost = task.cost / np.median(np.diag(task.cost))
+        price = np.full(len(task.change), PRICE[0])
+        limit, here = LIMIT[0], 0.7 * task.change
+        for _ in range(ROUNDS):
+            here = _most_telling(task, price[:, None] * cost * price, here)
+            ratio, share = task.seen(here)
+            closer = np.clip((task.share / max(share, 1e-3)) ** 0.15, 0.9, 1.1)
+            limit = float(np.clip(limit * closer, *LIMIT[1:]))
+            price = np.clip(price * np.clip(ratio / limit, 0.5, 2.0), *PRICE[1:])
+        told = np.cos(2.0 * np.pi * (task.change - here) / task.step).mean()
+        return cls(change=here, told=float(told))
+
+
+def _most_telling(task: Task, cost: FloatArray, start: FloatArray) -> FloatArray:
     from scipy.optimize import minimize
 
-    turn = 2.0 * np.pi / step
-    mu = X.MU
+    turn = 2.0 * np.pi / task.step
+    weight = np.where(task.locks, LOCK_WEIGHT, 0.0)
 
     def value(x: FloatArray) -> tuple[float, FloatArray]:
-        phase = turn * (change - x)
-        force = cost @ x
-        told = np.cos(phase) + mu * np.cos(2.0 * phase)
-        slope = np.sin(phase) + 2.0 * mu * np.sin(2.0 * phase)
+        phase = turn * (task.change - x)
+        force = turn * turn * (cost @ x)
+        told = np.cos(phase) + weight * np.cos(2.0 * phase)
+        slope = np.sin(phase) + 2.0 * weight * np.sin(2.0 * phase)
         return (
-            float((-told.sum() + 0.5 * turn**2 * x @ force) / len(x)),
-            np.asarray((-slope * turn + turn**2 * force) / len(x)),
+            float(0.5 * x @ force - told.sum()) / len(x),
+            np.asarray(force - slope * turn) / len(x),
         )
 
-    return np.asarray(minimize(value, start, jac=True, method="L-BFGS-B", options={"maxiter": 40}).x)
+    found = minimize(value, start, jac=True, method="L-BFGS-B", options={"maxiter": SEARCH_STEPS})
+    return np.asarray(found.x)

@@ -16,8 +16,10 @@ from meshmark.coding.polar import Bits
 from meshmark.errors import CapacityError, InputError
 from meshmark.geometry.surface import Surface
 from meshmark.geometry.surface_of import surface_of, surface_of_moved
+from meshmark.geometry.visibility import VisibleChange
 from meshmark.io.save import conform
 from meshmark.mesh import Mesh
+from meshmark.ownership.carriers.lattice import Lattice
 from meshmark.ownership.extraction import find
 from meshmark.ownership.ownership_mark import OwnershipMark
 from meshmark.ownership.parameters import (
@@ -25,6 +27,7 @@ from meshmark.ownership.parameters import (
     CARRIER_ENOUGH,
     CARRIER_MINIMUM,
     HOPELESS_BITS,
+    LEAST_TOLD,
     SPACING_TRIES,
     STEP_TRIES,
     STEPS,
@@ -34,9 +37,8 @@ from meshmark.ownership.search.search import Search
 from meshmark.ownership.search.trials import TrialCounter
 from meshmark.ownership.shaping import Shaping
 from meshmark.ownership.shortfall import why_not
-from meshmark.ownership import x_experiment as X
 from meshmark.ownership.vertex_displacement import diagonal_of, displacement_rms
-from meshmark.strengths import BUDGETS, check_strength
+from meshmark.strengths import BUDGETS, VISIBLE_SHARES, check_strength
 from meshmark.threads import on_one_thread
 
 __all__ = ["Owned", "embed"]
@@ -52,13 +54,14 @@ class Owned:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class _Task:
-    """What is to be marked, within which RMS displacement (scene units)."""
+    """What is to be marked, within which RMS displacement (scene units) and visible share of the surface."""
 
     mesh: Mesh
     surface: Surface
     key: Key
     identity: int
     budget: float
+    share: float
 
 
 @on_one_thread
@@ -101,10 +104,11 @@ def embed(
     diagonal = diagonal_of(mesh)
     surface = surface_of(mesh)
     task = _Task(
-        mesh=mesh, surface=surface, key=key, identity=identity, budget=sqrt(budget**2 - reserve**2) * diagonal
+        mesh=mesh, surface=surface, key=key, identity=identity, budget=sqrt(budget**2 - reserve**2) * diagonal,
+        share=VISIBLE_SHARES[strength],
     )
     nearest: tuple[tuple[bool, int], str] | None = None
-    for shaping in _shapings(surface, key, bits):
+    for shaping in _shapings(task, bits):
         carriers = shaping.carriers if shaping.capacity >= CARRIER_MINIMUM else shaping.capacity
         tried = carriers >= CARRIER_MINIMUM and shaping.bits >= HOPELESS_BITS
         if nearest is None or (tried, carriers) > nearest[0]:
@@ -117,11 +121,13 @@ def embed(
     )
 
 
-def _shapings(surface: Surface, key: Key, bits: Bits) -> Iterator[Shaping]:
+def _shapings(task: _Task, bits: Bits) -> Iterator[Shaping]:
     """Yield the first few spacings with carriers enough, then those passed over, most carriers first."""
+    surface = task.surface
+    seen = VisibleChange(surface.points, surface.faces)
     rich, scarce = 0, []
     for spacing in preferred_spacings(surface.frame.area):
-        shaping = Shaping(surface, surface.frame, key, spacing, bits)
+        shaping = Shaping(surface, Lattice.keyed(task.key, spacing), bits, seen, task.share)
         if shaping.capacity < CARRIER_ENOUGH:
             scarce.append(shaping)
             continue
@@ -133,24 +139,16 @@ def _shapings(surface: Surface, key: Key, bits: Bits) -> Iterator[Shaping]:
 
 
 def _largest_step(task: _Task, shaping: Shaping) -> Owned | None:
-    """Return the mark of largest step within the budget that is read back, or None."""
+    """Return the mark of largest step, within the budget and hardly compensated, that is read back, or None."""
 
     def affordable(step: float) -> bool:
-        if shaping.rms(step) > BUDGET_SHARE * task.budget:
-            return False
-        seen = shaping.visibility(step)
-        if X.SAY: print(f"   step {step:.4f} share {seen.share:.3f} med {seen.median:.2f} smooth {seen.smooth:.2f} told {shaping.told[0]:.2f} {shaping.told[1]:.2f} rms {shaping.rms(step)/task.budget*.08:.3f}")
-        return shaping.told[0] >= X.TOLD
+        return shaping.rms(step) <= BUDGET_SHARE * task.budget and shaping.told(step) >= LEAST_TOLD
 
     mesh, surface = task.mesh, task.surface
     likeliest = _is_likeliest(surface, shaping.spacing)
     first = bisect_left(STEPS, True, key=affordable)
     for step in STEPS[first : first + 2 * STEP_TRIES : 2]:
         points = shaping.shaped(float(step))
-        if X.SAY:
-            from meshmark.geometry.visibility import VisibleChange
-            seen = VisibleChange(surface.points, surface.faces).of(points)
-            print(f"   made {step:.4f} share {seen.share:.3f} med {seen.median:.2f} smooth {seen.smooth:.2f} planned {shaping.visibility(step)}")
         moved = (points != surface.points).any(axis=1)[surface.point_of_vertex]
         vertices = np.where(moved[:, None], points[surface.point_of_vertex], mesh.vertices)
         marked = mesh.with_vertices(conform(mesh, vertices))

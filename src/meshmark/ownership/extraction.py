@@ -202,7 +202,8 @@ def extraction_of(found: Found, codec: Codec, mode: str, seconds: float) -> Extr
     count = len(reading.phase)
     lock = reading.score / count
     if found.decoded is not None:
-        bits = codec.encode(found.decoded.guess)[reading.measured.keys.code_index]
+        keys = reading.measured.keys
+        bits = np.where(keys.pilot, 0, codec.encode(found.decoded.guess)[keys.code_index])
         agreeing = int(((np.cos(reading.phase) < 0.0) == (bits == 1)).sum())
         agreeing = max(agreeing, count - agreeing)
         advice = (

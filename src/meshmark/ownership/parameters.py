@@ -30,6 +30,7 @@ __all__ = [
     "HOPELESS_BITS",
     "HOPELESS_ERROR",
     "LARGE_STEPS",
+    "LEAST_TOLD",
     "LOCK_CANDIDATES",
     "LOCK_EXPECTED",
     "LOCK_RADIUS",
@@ -82,6 +83,10 @@ SPACING_TRIES: Final = 3
 # Quantisation steps in spacings. Above the largest, bumps become visible and the solve nonlinear.
 STEPS: Final = 0.24 * 2.0 ** (-np.arange(25) / 4.0)
 
+# Mean cosine of the phases that compensation leaves, at least: a larger step is compensated so far that it tells
+# less.
+LEAST_TOLD: Final = 0.85
+
 # Number of steps that are tried from the largest affordable one down, every second of the grid.
 STEP_TRIES: Final = 3
 
@@ -122,7 +127,7 @@ LOCK_STEPS: Final = tuple(float(step) for step in STEPS[:16])
 # A step such as standard marks have: clusters of cells are chosen by it.
 TYPICAL_STEP: Final = 0.1
 # Number of corrections of a reading that are decoded.
-LOCK_CANDIDATES: Final = 2
+LOCK_CANDIDATES: Final = int(os.environ.get('MM_CAND','2'))
 # A lock less likely than 10^this by chance, over its own search, is worth measuring anew where it puts the model.
 CREDIBLE_LOG10: Final = -0.5
 # Frames that a cropped model may have had, so far apart (RMS motion over scale); the standard deviation of what is

@@ -10,23 +10,21 @@ from functools import cached_property
 from math import log2
 
 import numpy as np
+import scipy.sparse as sp
 
-from meshmark.coding.keys import Key
 from meshmark.coding.polar import Bits
 from meshmark.geometry.areas import vertex_areas
-from meshmark.geometry.frame import Frame
 from meshmark.geometry.sampling import plan_samples
 from meshmark.geometry.surface import Surface
-from meshmark.geometry.visibility import Visibility, VisibleChange
+from meshmark.geometry.visibility import VisibleChange
 from meshmark.mesh import FloatArray
-from meshmark.ownership import x_experiment as X
 from meshmark.ownership.bumps import FRAME_ROWS, Bumps, frame_values, symmetric
 from meshmark.ownership.carriers.cells import Cells, measure_cells
 from meshmark.ownership.carriers.lattice import Lattice
 from meshmark.ownership.carriers.nodes import find_nodes
 from meshmark.ownership.carriers.quantisation import nearest_offsets
 from meshmark.ownership.carriers.selection import select_cells
-from meshmark.ownership.compensation import compensated
+from meshmark.ownership.compensation import Compensation, Task
 from meshmark.ownership.parameters import (
     ALIKE,
     DIVERGED,
@@ -43,6 +41,11 @@ from meshmark.ownership.shortfall import Surroundings, surroundings_of
 
 __all__ = ["Shaping"]
 
+# The solve makes a mark more visible than its first order is, about so much.
+SOLVE_EXCESS = 1.05
+# A cell is judged by the patches around it, a Gaussian of this width in spacings.
+PATCH_WIDTH = 0.5
+
 
 class Shaping:
     """One surface, lattice and word of code bits.
@@ -50,10 +53,14 @@ class Shaping:
     capacity: how many cells an extraction of the unmarked surface would read; cheap, where `carriers` is not.
     """
 
-    def __init__(self, surface: Surface, frame: Frame, key: Key, spacing: float, bits: Bits) -> None:
-        self._surface, self._frame, self._bits, self.spacing = surface, frame, bits, spacing
-        self._lattice = Lattice.keyed(key, spacing)
-        self._placed = self._lattice.coordinates(frame.to_canonical(surface.points))
+    def __init__(
+        self, surface: Surface, lattice: Lattice, bits: Bits, seen: VisibleChange, share: float
+    ) -> None:
+        """seen: of the surface's points; share: of the surface where the mark may be visible, at most."""
+        self._surface, self._frame, self._lattice = surface, surface.frame, lattice
+        self._bits, self._seen, self._share = bits, seen, share
+        self._placed = lattice.coordinates(surface.frame.to_canonical(surface.points))
+        self._plans: dict[float, Compensation] = {}
         self._sampler = plan_samples(self._placed, surface.faces, LONGEST_SAMPLE)
         self._samples = self._sampler(self._placed)
         cells = measure_cells(self._samples)
@@ -61,7 +68,6 @@ class Shaping:
         self.capacity = len(read)
         self._candidates, self._read_too = cells.take(chosen), np.isin(chosen, read)
         self._all = cells
-        self._changes = {}
 
     @property
     def carriers(self) -> int:
@@ -76,6 +82,15 @@ class Shaping:
         return self.capacity * (1.0 - lost)
 
     @property
+    def spacing(self) -> float:
+        """Distance of the lattice's nodes, in units of the canonical scale."""
+        return self._lattice.spacing
+
+    def told(self, step: float) -> float:
+        """Return the mean cosine of the phases that a mark of this step leaves: 1 for one without compensation."""
+        return self._plan(step).told
+
+    @property
     def surroundings(self) -> Surroundings:
         """What the cells see of the surface, to say why there are too few that carry."""
         return surroundings_of(self._all, self._placed, self._surface.faces)
@@ -88,15 +103,6 @@ class Shaping:
         length = self._bumps.displacement(self._frame_change, self._change(step))
         means = (length * length) @ np.column_stack([self._copies, self._areas])
         return float(np.sqrt(means.max())) * self._unit
-
-    def visibility(self, step: float) -> Visibility:
-        """Return how visible the mark of this step is, to first order."""
-        length = self._bumps.displacement(self._frame_change, self._change(step))
-        return self._visible_change.of(self._placed + length[:, None] * self._bumps.normals)
-
-    @cached_property
-    def _visible_change(self) -> VisibleChange:
-        return VisibleChange(self._placed, self._surface.faces)
 
     def shaped(self, step: float) -> FloatArray:
         """Return scene positions (p, 3) that carry the bits at this step, as well as the surface lets them.
@@ -135,6 +141,7 @@ class Shaping:
 
     @property
     def _unit(self) -> float:
+        """Scene units in a spacing."""
         return self._lattice.spacing * self._frame.scale
 
     @property
@@ -143,7 +150,7 @@ class Shaping:
 
     @cached_property
     def _bumps(self) -> Bumps:
-        return Bumps(self._sampler, self._samples, self._candidates, self._placed, self._lattice)
+        return Bumps(self._sampler, self._samples, self._candidates, self._lattice, self._seen)
 
     @cached_property
     def _copies(self) -> FloatArray:
@@ -163,29 +170,47 @@ class Shaping:
         return self._candidates.take(np.flatnonzero(self._bumps.free))
 
     def _change(self, step: float) -> FloatArray:
-        """Return (f,): the changes of offset, in spacings, that put every free cell on its bit."""
-        keys = self._lattice.keys(self._cells.nodes)
-        bits = self._bits[keys.code_index].astype(np.int64)
-        whole = nearest_offsets(self._cells.offset, keys.dither, bits, step, self._bumps.cost)
-        if step not in self._changes:
-            self._changes[step] = compensated(whole, step, self._bumps.cost, self._excess)
-            self.told = float(np.cos(2*np.pi*(whole-self._changes[step])/step).mean()), float(np.cos(4*np.pi*(whole-self._changes[step])/step).mean())
-        return self._changes[step]
+        """Return (f,): the changes of offset, in spacings, that tell most of every free cell's bit."""
+        return self._plan(step).change
 
-    def _excess(self, change: FloatArray) -> FloatArray:
-        length = self._bumps.displacement(self._frame_change, change)
-        ratio = self._visible_change.ratios(self._placed + length[:, None] * self._bumps.normals)
+    def _plan(self, step: float) -> Compensation:
+        if step not in self._plans:
+            keys = self._lattice.keys(self._cells.nodes)
+            bits = np.where(keys.pilot, 0, self._bits[keys.code_index]).astype(np.int64)
+            cost = self._bumps.cost
+            change = nearest_offsets(self._cells.offset, keys.dither, bits, step, cost)
+            self._plans[step] = Compensation.of(
+                Task(
+                    change=change,
+                    step=step,
+                    cost=cost,
+                    locks=~keys.pilot,
+                    seen=self._seen_at_cells,
+                    share=self._share,
+                )
+            )
+        return self._plans[step]
+
+    def _seen_at_cells(self, change: FloatArray) -> tuple[FloatArray, float]:
+        """Return how visible changes of offset (f,) are at each cell, and on what share of the surface they are."""
+        turned = self._turning @ self._bumps.coefficients(self._frame_change, change)
+        ratio = SOLVE_EXCESS * self._seen.ratios_of(turned)
         return (self._patches @ ratio**4) ** 0.25, float((ratio > 1.0).mean())
 
     @cached_property
+    def _turning(self) -> sp.csr_array:
+        """Change of the patches' normals per coefficient of the bumps, (3 s, m)."""
+        return sp.csr_array(self._unit * self._seen.slopes(self._scene_normals) @ self._bumps.basis)
+
+    @cached_property
     def _patches(self) -> FloatArray:
-        """Share (f, patches) of each patch in what is seen of each cell."""
-        cells, visible = self._cells, self._visible_change
+        """Share (f, k) of each patch in what is seen at each cell."""
+        cells, centres = self._cells, self._seen.centres
         places = cells.nodes + cells.offset[:, None] * cells.normal
-        square = ((places[:, None, :] - self._placed[visible.centres]) ** 2).sum(axis=2)
-        facing = np.maximum(cells.normal @ self._bumps.normals[visible.centres].T, 0.0)
-        weight = np.exp(-0.5 * square / X.NEAR**2) * facing + 1e-12
-        return weight / weight.sum(axis=1, keepdims=True)
+        apart = ((places[:, None, :] - self._placed[centres]) ** 2).sum(axis=2)
+        facing = np.maximum(cells.normal @ self._bumps.normals[centres].T, 0.0)
+        weight = np.exp(-0.5 * apart / PATCH_WIDTH**2) * facing + np.finfo(float).tiny
+        return np.asarray(weight / weight.sum(axis=1, keepdims=True))
 
     @cached_property
     def _frame_change(self) -> FloatArray:

@@ -9,24 +9,43 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from meshmark.coding.codec import LENGTH
 from meshmark.coding.keyed import cell_words, offset, rotation, unit_interval
 from meshmark.coding.keys import Key
 from meshmark.mesh import FloatArray, IntArray
+from meshmark.ownership import x_experiment as X
 
 __all__ = ["CellKeys", "Lattice"]
 
+# Share of the cells that are pilots, and what a doubled phase counts in the lock beside a pilot's single one.
+PILOTS = X.PILOTS
+DOUBLED = X.DOUBLED
 
-@dataclass(frozen=True, eq=False)
+
+@dataclass(frozen=True, eq=False, kw_only=True)
 class CellKeys:
     """What the key says of n cells.
 
-    code_index: (n,) which code bit the cell carries; dither: (n,) in [0, 1), in quantisation steps.
+    code_index: (n,) which code bit the cell carries; dither: (n,) in [0, 1), in quantisation steps; pilot: (n,)
+    True for cells whose bit is 0 whatever the id: they carry none of it, and show where the lattice lies.
     """
 
     code_index: IntArray
     dither: FloatArray
+    pilot: NDArray[np.bool_]
+
+    @property
+    def factor(self) -> FloatArray:
+        """Return what phases (n,) are multiplied by so that they do not depend on bits: 1 for pilots, else 2."""
+        return np.where(self.pilot, 1.0, 2.0)
+
+    @property
+    def weight(self) -> FloatArray:
+        """Return how much each cell counts in the lock (n,), squares of mean 1: doubled phases tell less."""
+        weight = np.where(self.pilot, 1.0, DOUBLED)
+        return np.asarray(weight / np.sqrt(np.mean(weight**2))) if len(weight) else weight
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -63,5 +82,9 @@ class Lattice:
 
     def keys(self, nodes: IntArray) -> CellKeys:
         """What the key says of the cells at integer coordinates (n, 3)."""
-        words = cell_words(self._cells, nodes, 2)
-        return CellKeys((words[:, 0] % np.uint64(LENGTH)).astype(np.int64), unit_interval(words[:, 1]))
+        words = cell_words(self._cells, nodes, 3)
+        return CellKeys(
+            code_index=(words[:, 0] % np.uint64(LENGTH)).astype(np.int64),
+            dither=unit_interval(words[:, 1]),
+            pilot=unit_interval(words[:, 2]) < PILOTS,
+        )

@@ -66,11 +66,15 @@ class LockSearch:
         expected: FloatArray,
         radius: float,
         most: int = MOST,
+        *,
+        weight: FloatArray,
     ) -> None:
         response = gradient * expected
-        _, turn = np.linalg.eigh(response.T @ response)
+        weighted = response * weight[:, None]
+        _, turn = np.linalg.eigh(weighted.T @ weighted)
+        self._weight = weight
         self._psi, self._response, self._back = psi, response @ turn, expected[:, None] * turn
-        self._grid = _plan(self._response, radius, most)
+        self._grid = _plan(self._response, weight, radius, most)
 
     @property
     def tried(self) -> float:
@@ -82,14 +86,14 @@ class LockSearch:
 
         A correction far from 0 is expected less: its score must be better by the square of its distance.
         """
-        return [self._lock(place) for place in _best_places(self._grid, self._psi, keep)]
+        return [self._lock(place) for place in _best_places(self._grid, self._psi, self._weight, keep)]
 
     def polished(self, rough: Sequence[Lock]) -> list[Lock]:
         """Return the top of the score next to each grid point; the point where that is far out of the ball."""
         if not rough:
             return []
         starts = np.linalg.solve(self._back, np.array([lock.correction for lock in rough]).T).T
-        places = _polish(self._psi, self._response, starts)
+        places = _polish(self._psi, self._response, self._weight, starts)
         inside = np.linalg.norm(places, axis=1) <= self._grid.radius * SLACK
         return [
             self._lock(place) if near else lock
@@ -97,7 +101,7 @@ class LockSearch:
         ]
 
     def _lock(self, place: FloatArray) -> Lock:
-        score = float(np.cos(self._psi + self._response @ place).sum())
+        score = float(np.cos(self._psi + self._response @ place) @ self._weight)
         return Lock(correction=self._back @ place, score=score, tried=self.tried)
 
 
@@ -138,9 +142,9 @@ def _points(spread: FloatArray, radius: float) -> tuple[float, IntArray]:
     return float(np.prod(2.0 * reach + 1.0) * filled), reach
 
 
-def _plan(response: FloatArray, radius: float, most: int) -> _Grid:
+def _plan(response: FloatArray, weight: FloatArray, radius: float, most: int) -> _Grid:
     """Lay the grid over the ball; shrink the ball until the points are few enough."""
-    spread = np.sqrt(np.mean(response**2, axis=0))
+    spread = np.sqrt(weight**2 @ response**2 / (weight @ weight))
     while True:
         points, reach = _points(spread, radius)
         if points <= most:
@@ -183,10 +187,10 @@ def _leg(radius: float, other: FloatArray) -> FloatArray:
     return np.sqrt(np.maximum(radius * radius * (1.0 + ROUNDING) - other * other, 0.0))
 
 
-def _best_places(grid: _Grid, psi: FloatArray, keep: int) -> list[FloatArray]:
+def _best_places(grid: _Grid, psi: FloatArray, weight: FloatArray, keep: int) -> list[FloatArray]:
     """Return the places (d,) of the best scores, each score less the square of its distance."""
     one, two = grid.halves
-    start = one.waves * np.exp(1j * psi).astype(np.complex64)
+    start = one.waves * (weight * np.exp(1j * psi)).astype(np.complex64)
     # Squared distances from 0 are taken off within the product, by two more columns.
     near, far = np.float32(one.distances[:, None] ** 2), np.float32(two.distances[:, None] ** 2)
     rows = np.hstack([start.real, -start.imag, -near, -np.ones_like(near)])
@@ -207,23 +211,23 @@ def _best_places(grid: _Grid, psi: FloatArray, keep: int) -> list[FloatArray]:
     return [one.places[a] + two.places[b] for _, a, b in found]
 
 
-def _polish(psi: FloatArray, response: FloatArray, places: FloatArray) -> FloatArray:
+def _polish(psi: FloatArray, response: FloatArray, weight: FloatArray, places: FloatArray) -> FloatArray:
     """Climb to the top of the score from each place (k, d) by damped Newton steps; return the ends (k, d)."""
     here, damping = places.copy(), np.full(len(places), 1e-2)
     phase = psi + here @ response.T
-    score = np.cos(phase).sum(axis=1)
+    score = np.cos(phase) @ weight
     climbing = np.arange(len(places))
     diagonal = np.arange(response.shape[1])
     for _ in range(POLISH_STEPS):
         at = phase[climbing]
         # Where a cosine is low its curvature points the wrong way; it is left out.
-        hessian = (np.maximum(np.cos(at), 0.0)[:, None] * response.T) @ response
+        hessian = ((weight * np.maximum(np.cos(at), 0.0))[:, None] * response.T) @ response
         # An expected step of 1 holds ill-determined ones.
         hessian[:, diagonal, diagonal] += hessian[:, diagonal, diagonal] * damping[climbing, None] + 1.0
-        step = np.linalg.solve(hessian, -(np.sin(at) @ response)[..., None])[..., 0]
+        step = np.linalg.solve(hessian, -((weight * np.sin(at)) @ response)[..., None])[..., 0]
         ahead = here[climbing] + step
         moved = psi + ahead @ response.T
-        better = np.cos(moved).sum(axis=1)
+        better = np.cos(moved) @ weight
         up = better > score[climbing]
         rows, gain = climbing[up], (better - score[climbing])[up]
         damping[climbing[~up]] *= 10.0

@@ -43,15 +43,19 @@ def bit_phase(offsets: FloatArray, dither: FloatArray, step: float | FloatArray)
     return 2.0 * np.pi * (offsets / step - dither)
 
 
-def lock_score(phase: FloatArray) -> FloatArray:
-    """Return sum cos(2 phase) over the last axis: n for an untouched mark, about 0 +- sqrt(n/2) without one."""
-    return np.asarray(np.cos(2.0 * phase).sum(axis=-1))
+def lock_score(psi: FloatArray, weight: FloatArray) -> FloatArray:
+    """Return the sum of weight cos psi over the last axis: about 0 +- sqrt(n / 2) without a mark.
+
+    psi: (..., n) phases that do not depend on bits; weight: (n,) with squares of mean 1.
+    """
+    return np.asarray(np.cos(psi) @ weight)
 
 
 def log10_lock_chance(score: float, count: int) -> float:
     """Bound log10 of the chance that `count` cells reach `score` without a mark.
 
-    Keyed dithers make the phases uniform; E exp(l cos) = I_0(l) <= exp(l^2/4) gives exp(-score^2 / count).
+    Keyed dithers make the phases uniform; E exp(l w cos) = I_0(l w) <= exp(l^2 w^2 / 4) gives
+    exp(-score^2 / sum w^2), and the squares of the weights add up to `count`.
     """
     return -(score * score) / (count * np.log(10.0)) if score > 0.0 and count else 0.0
 

@@ -48,5 +48,5 @@ def readings_as_it_stands(search: Search) -> Iterator[Reading]:
 
 def _at_best_step(measured: Measurement, charge: float) -> Reading:
     phases = measured.phase(STEPS[:, None])
-    best = int(np.argmax(lock_score(phases)))
+    best = int(np.argmax(lock_score(measured.keys.factor * phases, measured.keys.weight)))
     return Reading.of(measured, float(STEPS[best]), phases[best], len(STEPS) * charge)

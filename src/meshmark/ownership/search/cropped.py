@@ -115,7 +115,7 @@ def _grown(place: _Place, cluster: int, charge: float) -> Iterator[Reading]:
     if len(response) < CARRIER_READABLE:
         return
     places = response.measured.cells.nodes.astype(np.float64)
-    typical = 4.0 * np.pi / TYPICAL_STEP * response.gradient
+    typical = response.measured.turn(response.gradient, TYPICAL_STEP)
     orders = neighbourhoods(typical * CROP_EXPECTED, places, cluster + 1)[cluster:]
     locks = grown_locks(response, CROP_EXPECTED, LOCK_STEPS[:LARGE_STEPS], orders, MOST_FIRST)
     for step, correction, tried in locks:

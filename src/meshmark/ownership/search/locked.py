@@ -48,9 +48,15 @@ def locked_readings(
     rough = []
     tried = 0.0
     for step in steps:
-        phase = response.measured.phase(step)
-        gradient = 4.0 * np.pi / step * response.gradient
-        search = LockSearch(2.0 * phase, gradient, expected, LOCK_RADIUS)
+        measured = response.measured
+        phase = measured.phase(step)
+        search = LockSearch(
+            measured.psi(step),
+            measured.turn(response.gradient, step),
+            expected,
+            LOCK_RADIUS,
+            weight=measured.keys.weight,
+        )
         tried += search.tried
         for lock in search.rough(LOCK_CANDIDATES):
             chance = log10_lock_chance(lock.score, len(phase)) + float(np.log10(lock.tried))
@@ -76,7 +82,7 @@ def grown_readings(
         return
     expected = np.concatenate([LOCK_EXPECTED * drift, hypothesis.restoration.expected])
     places = response.measured.cells.nodes.astype(np.float64)
-    typical = 4.0 * np.pi / TYPICAL_STEP * response.gradient
+    typical = response.measured.turn(response.gradient, TYPICAL_STEP)
     orders = neighbourhoods(typical * expected, places, CLUSTERS)
     for step, correction, tried in grown_locks(response, expected, steps, orders, STRETCH_GRID):
         yield _again(shapes.corrected(hypothesis, correction), step, charge * tried)
@@ -94,8 +100,10 @@ def grown_locks(
     expected, orders, most: as in `grown`.
     """
     for step, order in product(steps, orders):
-        psi = 2.0 * response.measured.phase(step)
-        lock = grown(psi, 4.0 * np.pi / step * response.gradient, expected, order, most)
+        measured = response.measured
+        psi = measured.psi(step)
+        turn = measured.turn(response.gradient, step)
+        lock = grown(psi, turn, expected, order, most, weight=measured.keys.weight)
         if lock is None:
             continue
         tried = lock.tried * len(steps)
@@ -107,7 +115,13 @@ def relocked(
     measured: Measurement, gradient: FloatArray, step: float
 ) -> tuple[FloatArray, FloatArray, float]:
     """Return (phases (n,) after it, best correction (7,) close to where the cells were measured, tried)."""
-    search = LockSearch(2.0 * measured.phase(step), 4.0 * np.pi / step * gradient, LOCK_EXPECTED, LOCK_RADIUS)
+    search = LockSearch(
+        measured.psi(step),
+        measured.turn(gradient, step),
+        LOCK_EXPECTED,
+        LOCK_RADIUS,
+        weight=measured.keys.weight,
+    )
     correction = search.polished(search.rough(1))[0].correction
     return measured.phase(step, gradient @ correction), correction, search.tried
 

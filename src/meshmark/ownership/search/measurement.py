@@ -20,6 +20,7 @@ from meshmark.ownership.carriers.quantisation import (
 )
 from meshmark.ownership.carriers.relief import Relief
 from meshmark.ownership.carriers.selection import select_cells
+from meshmark.ownership import x_experiment as X
 from meshmark.ownership.demodulator import demodulate
 from meshmark.ownership.parameters import EXTRACT_SELECTION
 
@@ -46,6 +47,14 @@ class Measurement:
     def __len__(self) -> int:
         return len(self.cells.nodes)
 
+    def psi(self, step: float | FloatArray, shift: FloatArray | float = 0.0) -> FloatArray:
+        """Return the phases (n,) times 1 or 2, so that they do not depend on bits."""
+        return self.keys.factor * self.phase(step, shift)
+
+    def turn(self, gradient: FloatArray, step: float) -> FloatArray:
+        """Return the change of `psi` (n, d) for a change of the offsets (n, d), in spacings."""
+        return (2.0 * np.pi / step) * self.keys.factor[:, None] * gradient
+
     def phase(self, step: float | FloatArray, shift: FloatArray | float = 0.0) -> FloatArray:
         """Return the phases (n,), radians, at a step in spacings, the offsets shifted by `shift` (n,)."""
         return bit_phase(self.cells.offset + shift, self.keys.dither, step)
@@ -71,7 +80,7 @@ class Reading:
     @classmethod
     def of(cls, measured: Measurement, step: float, phase: FloatArray, hypotheses: float) -> Reading:
         """Score these phases."""
-        score = float(lock_score(phase))
+        score = float(lock_score(measured.keys.factor * phase, measured.keys.weight))
         return cls(
             measured=measured,
             step=step,
@@ -89,10 +98,13 @@ class Reading:
     def observed(self) -> FloatArray:
         """Return the log-likelihood ratio of each code bit, 0 where no cell carries it."""
         measured = self.measured
-        if measured.relief is None:
+        if X.NET == 0:
+            ratio = np.cos(self.phase)
+        elif measured.relief is None:
             ratio = log_likelihood_ratio(self.phase)
         else:
             ratio = demodulate(self.phase, measured.cells, self.step, measured.relief)
+        ratio = np.where(measured.keys.pilot, 0.0, ratio)
         return np.bincount(measured.keys.code_index, ratio, LENGTH).astype(np.float64)
 
 

@@ -132,7 +132,7 @@ def _guesses(search: Search, shapes: Shapes, points: FloatArray) -> Iterator[_Gu
             count = len(measured)
             if count < CARRIER_READABLE:
                 break
-            scores = lock_score(measured.phase(np.array(LOCK_STEPS)[:, None]))
+            scores = lock_score(measured.psi(np.array(LOCK_STEPS)[:, None]), measured.keys.weight)
             best = int(scores.argmax())
             chance = log10_lock_chance(float(scores[best]), count)
             yield _Guess(
