@@ -1,6 +1,6 @@
 """Id to code bits and back, under a key: what a scheme calls.
 
-The id is one word of a keyed linear code, XORed with a keyed mask. Nothing else is needed for a check: an
+The id, permuted under the key, is one word of a keyed linear code, XORed with a keyed mask. Nothing else is needed for a check: an
 unmarked model (or a wrong key) shows random code bits, so the chance that *any* of the 2^64 words agrees as
 well as the one found has a bound that holds for every decoder (`log10_chance`). An id is returned only where
 this bound lies under a limit; the default, 2^-32, is the strength of a 32-bit check word.
@@ -18,6 +18,7 @@ from meshmark.coding.keyed import keyed_bits
 from meshmark.coding.keys import Key
 from meshmark.coding.list_decoder import ListDecoder
 from meshmark.coding.message import ID_BITS, check_id
+from meshmark.coding.permutation import IdPermutation
 from meshmark.coding.polar import Bits, polar_code
 from meshmark.errors import InputError
 from meshmark.mesh import FloatArray
@@ -58,6 +59,7 @@ class Codec:
 
     def __init__(self, key: Key) -> None:
         self._code = polar_code(LENGTH, ID_BITS, CHECKS, key.subkey("code"))
+        self._permutation = IdPermutation(key.subkey("id permutation"))
         self._mask = keyed_bits(key.subkey("code mask"), LENGTH)
         self._decoder = ListDecoder(self._code)
 
@@ -68,7 +70,7 @@ class Codec:
 
     def encode(self, identity: int) -> Bits:
         """Return the code bits (n,) of an id; raises `InputError` where it has more than 64 bits."""
-        return self._code.encode(check_id(identity)) ^ self._mask
+        return self._code.encode(self._permutation.forward(check_id(identity))) ^ self._mask
 
     def decode(self, llr: FloatArray, log10_limit: float = CHECK_WORD_LIMIT) -> Decoded:
         """Return the id behind the observations.
@@ -86,7 +88,7 @@ class Codec:
         agreement = values.sum() - 2.0 * (words[:, seen] @ values[seen])
         best = int(np.argmax(agreement))
         chance = log10_chance(values, float(agreement[best]))
-        guess = int(ids[best])
+        guess = self._permutation.backward(int(ids[best]))
         passed = guess if chance <= log10_limit else None
         return Decoded(
             id=passed,

@@ -1,6 +1,7 @@
 """What the network sees of each carrier: its own doubled phase, its neighbours', and how rough its patch is.
 
-No feature changes when a phase is turned by pi, so none knows the bits; see `demodulator`.
+No feature changes when the phase of a cell that carries a bit is turned by pi, so none knows the bits; see
+`demodulator`.
 """
 
 from __future__ import annotations
@@ -11,13 +12,14 @@ import numpy as np
 
 from meshmark.mesh import FloatArray
 from meshmark.ownership.carriers.cells import Cells
-from meshmark.ownership.carriers.relief import Relief
+from meshmark.ownership.observation import Observation
 
 __all__ = ["FEATURES", "carrier_features"]
 
 FEATURES: Final = (
     "own agreement",
     "log lock",
+    "log pilot lock",
     "fourfold lock",
     "near agreement",
     "far agreement",
@@ -32,29 +34,36 @@ LEAST_LOCK: Final = 0.02
 LEAST_GRAIN: Final = 1e-4
 
 
-def carrier_features(phase: FloatArray, cells: Cells, step: float, relief: Relief) -> FloatArray:
-    """Return (n, d), in the order of `FEATURES`, from phases (n,) in radians; step in spacings.
+def carrier_features(seen: Observation) -> FloatArray:
+    """Return (n, d), in the order of `FEATURES`.
 
-    own agreement: cos(2 phase), 1 on a quantiser point; lock: its mean; fourfold lock: mean cos(4 phase), which
-    distinguishes few broken cells from much noise; near, far agreement: how much better than the mean the
-    neighbours lie; shear: whether neighbours that face the same way err to the same side; grain: noise expected of
-    the patch's roughness, in steps.
+    own agreement: cos(2 phase), 1 on a quantiser point; lock: its mean over cells with bits; pilots: mean cos(phase)
+    of the pilots; fourfold lock: mean cos(4 phase), which distinguishes few broken cells from much noise; near, far
+    agreement: how much better than the mean the neighbours lie, pilots among them by their single phases; shear:
+    whether neighbours that face the same way err to the same side; grain: noise expected of the patch's roughness,
+    in steps.
     """
-    if not len(phase):
+    if not len(seen):
         return np.zeros((0, len(FEATURES)))
-    wave = np.exp(2j * phase)
-    lock = max(float(wave.real.mean()), LEAST_LOCK)
+    cells, pilot = seen.cells, seen.keys.pilot
+    doubled = np.cos(2.0 * seen.phase)
+    wave = np.exp(1j * seen.psi)
+    lock = max(float(doubled[~pilot].mean()) if not pilot.all() else 0.0, LEAST_LOCK)
+    pilots = max(float(wave.real[pilot].mean()) if pilot.any() else 0.0, LEAST_LOCK)
+    # A cell's agreement beside what is expected of its kind.
+    rest = wave.real - np.where(pilot, pilots, lock)
     near, far = (_weights(cells, width) for width in (NEAR, FAR))
     facing = near * np.maximum(cells.normal @ cells.normal.T, 0.0) ** 2
-    grain = np.log(relief.grain / step + LEAST_GRAIN)
-    ones = np.ones(len(phase))
+    grain = np.log(seen.relief.grain / seen.step + LEAST_GRAIN)
+    ones = np.ones(len(seen))
     return np.column_stack(
         [
-            wave.real,
+            doubled,
             np.log(lock) * ones,
-            np.mean(wave.real**2 - wave.imag**2) * ones,
-            _mean_around(near, wave.real, lock) - lock,
-            _mean_around(far, wave.real, lock) - lock,
+            np.log(pilots) * ones,
+            np.mean(np.cos(4.0 * seen.phase[~pilot])) * ones if not pilot.all() else 0.0 * ones,
+            _mean_around(near, rest),
+            _mean_around(far, rest),
             wave.imag * (facing @ wave.imag) / (facing.sum(axis=1) + 1.0),
             grain,
             grain - np.median(grain),
@@ -72,8 +81,7 @@ def _weights(cells: Cells, width: float) -> FloatArray:
     return np.asarray(weights)
 
 
-def _mean_around(weights: FloatArray, values: FloatArray, prior: float) -> FloatArray:
-    """Return (n,): weighted means, drawn to `prior` where there are few neighbours."""
+def _mean_around(weights: FloatArray, values: FloatArray) -> FloatArray:
+    """Return (n,): weighted means, drawn to 0 where there are few neighbours."""
     total = weights.sum(axis=1)
-    shrink = 0.5 * float(total.mean()) + 1e-9
-    return np.asarray((weights @ values + shrink * prior) / (total + shrink))
+    return np.asarray((weights @ values) / (total + 0.5 * float(total.mean()) + 1e-9))

@@ -8,6 +8,7 @@ sign of this one ratio and nothing else: *given all magnitudes the signs are fai
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -16,8 +17,7 @@ from meshmark.mesh import FloatArray
 from meshmark.network.perceptron import Perceptron
 from meshmark.network.weights import shipped_network
 from meshmark.ownership.carrier_features import FEATURES, carrier_features
-from meshmark.ownership.carriers.cells import Cells
-from meshmark.ownership.carriers.relief import Relief
+from meshmark.ownership.observation import Observation
 from meshmark.ownership.phase_correction import corrected_phase
 
 __all__ = ["NETWORK", "demodulate"]
@@ -25,17 +25,15 @@ __all__ = ["NETWORK", "demodulate"]
 NETWORK = "demodulator"
 
 
-def demodulate(
-    phase: FloatArray, cells: Cells, step: float, relief: Relief, network: Perceptron | None = None
-) -> FloatArray:
-    """Return log P(phase | 0) / P(phase | 1), (n,), of a reading's phases (n,) in radians.
+def demodulate(seen: Observation, network: Perceptron | None = None) -> FloatArray:
+    """Return log P(phase | 0) / P(phase | 1), (n,), of the cells of a reading; 0 of pilots, which carry no bit.
 
-    step: quantisation step in spacings; relief: of the surface the cells were read off.
     network: the shipped one by default.
     """
-    corrected = corrected_phase(phase, cells, step, relief)
+    corrected = replace(seen, phase=corrected_phase(seen))
     used = _shipped() if network is None else network
-    return np.asarray(np.cos(corrected) * used(carrier_features(corrected, cells, step, relief)))
+    ratio = np.cos(corrected.phase) * used(carrier_features(corrected))
+    return np.asarray(np.where(seen.keys.pilot, 0.0, ratio))
 
 
 @cache

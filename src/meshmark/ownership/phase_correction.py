@@ -13,7 +13,7 @@ import numpy as np
 from meshmark.mesh import FloatArray
 from meshmark.ownership.carriers.cells import Cells
 from meshmark.ownership.carriers.quantisation import lock_score
-from meshmark.ownership.carriers.relief import Relief
+from meshmark.ownership.observation import Observation
 
 __all__ = ["best_correction", "corrected_phase", "shifts"]
 
@@ -30,24 +30,30 @@ STEPS = 15
 STARTS = tuple((start, 2.0 if any(start) else 0.5) for start in product((0.0, -1.2, 1.2), repeat=2))
 
 
-def corrected_phase(phase: FloatArray, cells: Cells, step: float, relief: Relief) -> FloatArray:
+def corrected_phase(seen: Observation) -> FloatArray:
     """Return the phases (n,) with small errors common to many cells taken off.
 
-    The correction depends on doubled phases only: phases turned by pi give corrected phases turned by pi.
+    The correction depends on pilots and doubled phases only: phases of other cells turned by pi give corrected
+    phases turned by pi.
     """
+    phase, step = seen.phase, seen.step
     if not len(phase):
         return phase
-    pose, bending = shifts(cells), relief.bending
+    factor, weight = seen.keys.factor, seen.keys.weight
+    pose, bending = shifts(seen.cells), seen.relief.bending
     pose = pose / (np.sqrt(np.mean(pose**2, axis=0)) + TINY)
     typical = 1.5 * np.median(np.abs(bending), axis=0)  # a normal distribution's standard deviation
     bending = np.clip(bending / (typical + TINY * step), -LARGEST, LARGEST)
     response = np.hstack([POSE_EXPECTED * pose, BENDING_EXPECTED * bending])
     deviation = float(np.sqrt(len(phase) / 2.0))
-    best, best_score = phase, float(lock_score(phase))
+    best, best_score = phase, float(lock_score(seen.psi, weight))
     for start, margin in STARTS:
         turned = phase + bending @ np.array(start)
-        turned = turned + response @ best_correction(2.0 * turned, 2.0 * response, np.ones(response.shape[1]))
-        score = float(lock_score(turned)) - margin * deviation
+        correction = best_correction(
+            factor * turned, factor[:, None] * response, np.ones(response.shape[1]), weight
+        )
+        turned = turned + response @ correction
+        score = float(lock_score(factor * turned, weight)) - margin * deviation
         if score > best_score:
             best, best_score = turned, score
     return np.asarray(best)
@@ -61,10 +67,13 @@ def shifts(cells: Cells) -> FloatArray:
     return np.column_stack([cells.normal, along, np.cross(place, cells.normal)])
 
 
-def best_correction(psi: FloatArray, response: FloatArray, expected: FloatArray) -> FloatArray:
-    """Return the correction y (d,) near 0 that maximises sum cos(psi + response y) - |y / expected|^2 / 2.
+def best_correction(
+    psi: FloatArray, response: FloatArray, expected: FloatArray, weight: FloatArray
+) -> FloatArray:
+    """Return the correction y (d,) near 0 that maximises sum w cos(psi + response y) - |y / expected|^2 / 2.
 
-    psi: (n,) doubled phases; response: (n, d) their change per unit; expected: (d,) standard deviations of y.
+    psi: (n,) phases that do not depend on bits; response: (n, d) their change per unit; expected: (d,) standard
+    deviations of y; weight: (n,) how much each counts.
     """
     held = 1.0 / expected**2
     best = np.zeros(len(expected))
@@ -72,13 +81,13 @@ def best_correction(psi: FloatArray, response: FloatArray, expected: FloatArray)
     turned = psi
     for _ in range(STEPS):
         # Where a cosine is low its curvature points the wrong way; a little is kept.
-        weight = np.maximum(np.cos(turned), 0.1)
-        hessian = (response.T * weight) @ response + np.diag(held)
-        value = max(value, _value(turned, best, held))
-        slope = -response.T @ np.sin(turned) - held * best
+        curved = weight * np.maximum(np.cos(turned), 0.1)
+        hessian = (response.T * curved) @ response + np.diag(held)
+        value = max(value, _value(turned, best, held, weight))
+        slope = -response.T @ (weight * np.sin(turned)) - held * best
         moved = best + np.linalg.solve(hessian + damping * np.diag(np.diag(hessian)), slope)
         ahead = psi + response @ moved
-        gain = _value(ahead, moved, held) - value
+        gain = _value(ahead, moved, held, weight) - value
         if gain > 0.0:
             best, turned, value, damping = moved, ahead, value + gain, damping / 3.0
         else:
@@ -88,5 +97,5 @@ def best_correction(psi: FloatArray, response: FloatArray, expected: FloatArray)
     return best
 
 
-def _value(turned: FloatArray, correction: FloatArray, held: FloatArray) -> float:
-    return float(np.cos(turned).sum() - 0.5 * held @ correction**2)
+def _value(turned: FloatArray, correction: FloatArray, held: FloatArray, weight: FloatArray) -> float:
+    return float(weight @ np.cos(turned) - 0.5 * held @ correction**2)

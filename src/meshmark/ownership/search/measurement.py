@@ -16,12 +16,12 @@ from meshmark.ownership.carriers.quantisation import (
     bit_phase,
     lock_score,
     log10_lock_chance,
-    log_likelihood_ratio,
 )
 from meshmark.ownership.carriers.relief import Relief
 from meshmark.ownership.carriers.selection import select_cells
 from meshmark.ownership import x_experiment as X
 from meshmark.ownership.demodulator import demodulate
+from meshmark.ownership.observation import Observation
 from meshmark.ownership.parameters import EXTRACT_SELECTION
 
 __all__ = ["Measurement", "Reading", "place", "read_cells"]
@@ -95,16 +95,22 @@ class Reading:
         """Return the lattice spacing, in canonical units."""
         return self.measured.spacing
 
+    def observation(self, relief: Relief) -> Observation:
+        """Return what the reading shows of each cell."""
+        measured = self.measured
+        return Observation(
+            phase=self.phase, cells=measured.cells, keys=measured.keys, step=self.step, relief=relief
+        )
+
     def observed(self) -> FloatArray:
         """Return the log-likelihood ratio of each code bit, 0 where no cell carries it."""
         measured = self.measured
-        if X.NET == 0:
-            ratio = np.cos(self.phase)
-        elif measured.relief is None:
-            ratio = log_likelihood_ratio(self.phase)
+        if measured.relief is None:
+            ratio = np.where(measured.keys.pilot, 0.0, np.cos(self.phase))
+        elif X.NET == 0:
+            ratio = np.where(measured.keys.pilot, 0.0, np.cos(self.phase))
         else:
-            ratio = demodulate(self.phase, measured.cells, self.step, measured.relief)
-        ratio = np.where(measured.keys.pilot, 0.0, ratio)
+            ratio = demodulate(self.observation(measured.relief))
         return np.bincount(measured.keys.code_index, ratio, LENGTH).astype(np.float64)
 
 

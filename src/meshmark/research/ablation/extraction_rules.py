@@ -31,11 +31,11 @@ class Extraction:
 
 
 def _network_bits(trial: Trial) -> FloatArray:
-    return demodulate(trial.phase, trial.cells, trial.step, trial.relief)
+    return demodulate(trial.seen)
 
 
 def _rule_bits(trial: Trial) -> FloatArray:
-    return log_likelihood_ratio(trial.phase)
+    return log_likelihood_ratio(trial.seen.phase)
 
 
 def _network_regions(trial: RegionTrial) -> FloatArray:

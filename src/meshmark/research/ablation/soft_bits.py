@@ -32,7 +32,7 @@ def carrier_figures(mesh: Mesh, rng: np.random.Generator) -> dict[str, Any]:
         name: {"errors": [], "information": [], "decoded": [], "decoded_half": []} for name in EXTRACTIONS
     }
     for trial in trials(marked, rng, ATTACKS):
-        order = rng.permutation(len(trial.phase))
+        order = rng.permutation(len(trial.seen))
         for name, extraction in EXTRACTIONS.items():
             soft = extraction.bits(trial)
             figures[name]["errors"].append(raw_errors(soft, trial.targets))
@@ -44,5 +44,5 @@ def carrier_figures(mesh: Mesh, rng: np.random.Generator) -> dict[str, Any]:
 
 def _decoded(marked: Marked, trial: Trial, soft: FloatArray, share: float, order: IntArray) -> float:
     keep = order[: int(share * len(order))]
-    values = np.bincount(trial.keys.code_index[keep], soft[keep], marked.codec.n).astype(np.float64)
+    values = np.bincount(trial.seen.keys.code_index[keep], soft[keep], marked.codec.n).astype(np.float64)
     return float(marked.codec.decode(values).id == marked.identity)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
@@ -64,13 +64,13 @@ def figures(trials: Sequence[Trial], network: Perceptron) -> dict[str, dict[str,
     groups["all"] = list(trials)
     result = {}
     for name, group in groups.items():
-        targets = np.concatenate([trial.targets for trial in group])
-        cosine, rule, net = (
-            np.concatenate(parts)
+        cosine, rule, net, targets = (
+            np.concatenate([values[trial.targets != 0.0] for trial, values in zip(group, parts, strict=True)])
             for parts in (
-                [np.cos(trial.phase) for trial in group],
-                [log_likelihood_ratio(trial.phase) for trial in group],
-                [demodulate(t.phase, t.cells, t.step, t.relief, network) for t in group],
+                [np.cos(trial.seen.phase) for trial in group],
+                [log_likelihood_ratio(trial.seen.phase) for trial in group],
+                [demodulate(trial.seen, network) for trial in group],
+                [trial.targets for trial in group],
             )
         )
         values = {
@@ -101,9 +101,8 @@ def _table(trials: Sequence[Trial]) -> Examples:
     """Return the features (n, d), gains (n,) and targets (n,) of all carriers."""
     rows = []
     for trial in trials:
-        phase = corrected_phase(trial.phase, trial.cells, trial.step, trial.relief)
-        rows.append(
-            (carrier_features(phase, trial.cells, trial.step, trial.relief), np.cos(phase), trial.targets)
-        )
+        seen = replace(trial.seen, phase=corrected_phase(trial.seen))
+        told = trial.targets != 0.0  # pilots carry no bit
+        rows.append((carrier_features(seen)[told], np.cos(seen.phase[told]), trial.targets[told]))
     inputs, gain, targets = (np.concatenate(parts) for parts in zip(*rows, strict=True))
     return inputs, gain, targets

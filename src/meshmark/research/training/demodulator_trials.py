@@ -30,6 +30,7 @@ from meshmark.ownership.carriers.quantisation import bit_phase, lock_score
 from meshmark.ownership.carriers.relief import Relief, measure_relief
 from meshmark.ownership.embedding import embed
 from meshmark.ownership.extraction import find
+from meshmark.ownership.observation import Observation
 from meshmark.ownership.parameters import CARRIER_READABLE, LONGEST_SAMPLE
 from meshmark.ownership.phase_correction import best_correction, corrected_phase
 from meshmark.ownership.search.measurement import read_cells
@@ -88,11 +89,7 @@ class Trial:
 
     attack: str
     strength: float
-    phase: FloatArray
-    cells: Cells
-    keys: CellKeys
-    step: float
-    relief: Relief
+    seen: Observation
     targets: FloatArray
 
 
@@ -158,12 +155,14 @@ class _Shape:
             return -np.inf
         phase = marked.phase(cells)
         response = self._response(marked, cells)
-        phase = phase + response @ self._correction(phase, response)
-        return float(lock_score(phase)) / float(np.sqrt(len(phase) / 2.0))
+        phase = phase + response @ self._correction(phase, response, marked.keys(cells))
+        keys = marked.keys(cells)
+        return float(lock_score(keys.factor * phase, keys.weight)) / float(np.sqrt(len(phase) / 2.0))
 
     def lock(self, marked: Marked, cells: Cells) -> None:
         """Correct shares and pose as the lattice lock does, given the cells of the shape as it stands."""
-        correction = self._correction(marked.phase(cells), self._response(marked, cells))
+        response = self._response(marked, cells)
+        correction = self._correction(marked.phase(cells), response, marked.keys(cells))
         self._pose = self._pose.then(correction[:POSE_SIZE])
         self._shares = self._shares + correction[POSE_SIZE:]
 
@@ -194,10 +193,10 @@ class _Shape:
             columns.append(change[:, None] / HALF)
         return np.asarray(2.0 * np.pi / marked.step * np.hstack(columns))
 
-    def _correction(self, phase: FloatArray, response: FloatArray) -> FloatArray:
-        return self._expected * best_correction(
-            2.0 * phase, 2.0 * response * self._expected, np.ones(response.shape[1])
-        )
+    def _correction(self, phase: FloatArray, response: FloatArray, keys: CellKeys) -> FloatArray:
+        turned = keys.factor[:, None] * response * self._expected
+        ones = np.ones(response.shape[1])
+        return self._expected * best_correction(keys.factor * phase, turned, ones, keys.weight)
 
 
 def _trial(marked: Marked, shape: _Shape, name: str, strength: float) -> Trial | None:
@@ -207,18 +206,14 @@ def _trial(marked: Marked, shape: _Shape, name: str, strength: float) -> Trial |
             return None
         shape.lock(marked, cells)
     cells = shape.cells(marked)
-    keys = marked.keys(cells)
-    phase, relief = marked.phase(cells), shape.relief(marked, cells)
-    targets = 1.0 - 2.0 * marked.bits[keys.code_index].astype(np.float64)
-    if np.mean(np.cos(corrected_phase(phase, cells, marked.step, relief)) * targets < 0.0) > LOST:
-        return None
-    return Trial(
-        attack=name,
-        strength=strength,
-        phase=phase,
+    seen = Observation(
+        phase=marked.phase(cells),
         cells=cells,
-        keys=keys,
+        keys=marked.keys(cells),
         step=marked.step,
-        relief=relief,
-        targets=targets,
+        relief=shape.relief(marked, cells),
     )
+    targets = np.where(seen.keys.pilot, 0.0, 1.0 - 2.0 * marked.bits[seen.keys.code_index])
+    if np.mean(np.cos(corrected_phase(seen)) * targets < 0.0) > LOST:
+        return None
+    return Trial(attack=name, strength=strength, seen=seen, targets=targets)
