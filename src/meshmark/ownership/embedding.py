@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from bisect import bisect_left
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from math import sqrt
@@ -31,6 +30,7 @@ from meshmark.ownership.parameters import (
     SPACING_TRIES,
     STEP_TRIES,
     STEPS,
+    TYPICAL_LOUDNESS,
     preferred_spacings,
 )
 from meshmark.ownership.search.search import Search
@@ -141,12 +141,9 @@ def _shapings(task: _Task, bits: Bits) -> Iterator[Shaping]:
 def _largest_step(task: _Task, shaping: Shaping) -> Owned | None:
     """Return the mark of largest step, within the budget and hardly compensated, that is read back, or None."""
 
-    def affordable(step: float) -> bool:
-        return shaping.rms(step) <= BUDGET_SHARE * task.budget and shaping.told(step) >= LEAST_TOLD
-
     mesh, surface = task.mesh, task.surface
     likeliest = _is_likeliest(surface, shaping.spacing)
-    first = bisect_left(STEPS, True, key=affordable)
+    first = _largest_affordable(task, shaping)
     for step in STEPS[first : first + 2 * STEP_TRIES : 2]:
         points = shaping.shaped(float(step))
         moved = (points != surface.points).any(axis=1)[surface.point_of_vertex]
@@ -163,6 +160,27 @@ def _largest_step(task: _Task, shaping: Shaping) -> Owned | None:
             mark = OwnershipMark(carriers=found.carriers, spacing=shaping.spacing, step=float(step))
             return Owned(mesh=marked, mark=mark)
     return None
+
+
+def _largest_affordable(task: _Task, shaping: Shaping) -> int:
+    """Return the index of the largest step within the budget that is hardly compensated; their number where none is."""
+
+    def affordable(index: int) -> bool:
+        step = float(STEPS[index])
+        return shaping.rms(step) <= BUDGET_SHARE * task.budget and shaping.told(step) >= LEAST_TOLD
+
+    # Loudness is about proportional to the step.
+    middle = float(STEPS[len(STEPS) // 2])
+    likely = middle * TYPICAL_LOUDNESS / shaping.loudness(middle)
+    index = int(np.argmin(np.abs(np.log(STEPS / likely))))
+    if affordable(index):
+        while index and affordable(index - 1):
+            index -= 1
+        return index
+    index += 1
+    while index < len(STEPS) and not affordable(index):
+        index += 1
+    return index
 
 
 def _is_likeliest(surface: Surface, spacing: float) -> bool:

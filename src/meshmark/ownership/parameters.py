@@ -50,6 +50,7 @@ __all__ = [
     "STEPS",
     "STEP_TRIES",
     "SURELY_SKEW",
+    "TYPICAL_LOUDNESS",
     "TYPICAL_STEP",
     "preferred_spacings",
 ]
@@ -86,6 +87,8 @@ STEPS: Final = 0.24 * 2.0 ** (-np.arange(25) / 4.0)
 # Mean cosine of the phases that compensation leaves, at least: a larger step is compensated so far that it tells
 # less.
 LEAST_TOLD: Final = 0.85
+# The search for the step begins where the mark without compensation would be seen so much (95th percentile).
+TYPICAL_LOUDNESS: Final = 1.5
 
 # Number of steps that are tried from the largest affordable one down, every second of the grid.
 STEP_TRIES: Final = 3

@@ -86,6 +86,12 @@ class Shaping:
         """Distance of the lattice's nodes, in units of the canonical scale."""
         return self._lattice.spacing
 
+    def loudness(self, step: float) -> float:
+        """Return the 95th percentile of the ratio by which a mark without compensation is seen, 1 just noticed."""
+        change = self._whole(step)
+        turned = self._turning @ self._bumps.coefficients(self._frame_change, change)
+        return float(np.quantile(self._seen.ratios_of(turned), 0.95))
+
     def told(self, step: float) -> float:
         """Return the mean cosine of the phases that a mark of this step leaves: 1 for one without compensation."""
         return self._plan(step).told
@@ -175,21 +181,23 @@ class Shaping:
 
     def _plan(self, step: float) -> Compensation:
         if step not in self._plans:
-            keys = self._lattice.keys(self._cells.nodes)
-            bits = np.where(keys.pilot, 0, self._bits[keys.code_index]).astype(np.int64)
-            cost = self._bumps.cost
-            change = nearest_offsets(self._cells.offset, keys.dither, bits, step, cost)
             self._plans[step] = Compensation.of(
                 Task(
-                    change=change,
+                    change=self._whole(step),
                     step=step,
-                    cost=cost,
-                    locks=~keys.pilot,
+                    cost=self._bumps.cost,
+                    locks=~self._lattice.keys(self._cells.nodes).pilot,
                     seen=self._seen_at_cells,
                     share=self._share,
                 )
             )
         return self._plans[step]
+
+    def _whole(self, step: float) -> FloatArray:
+        """Return the changes of offset (f,) that put every free cell on a point of its bit."""
+        keys = self._lattice.keys(self._cells.nodes)
+        bits = np.where(keys.pilot, 0, self._bits[keys.code_index]).astype(np.int64)
+        return nearest_offsets(self._cells.offset, keys.dither, bits, step, self._bumps.cost)
 
     def _seen_at_cells(self, change: FloatArray) -> tuple[FloatArray, float]:
         """Return how visible changes of offset (f,) are at each cell, and on what share of the surface they are."""

@@ -1,0 +1,60 @@
+"""How visible a change is."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from meshmark.geometry.areas import vertex_normals
+from meshmark.geometry.visibility import VisibleChange
+from tests.shapes import pebble
+
+POINTS, FACES = pebble(72)
+NORMALS = vertex_normals(POINTS, FACES)
+SIZE = np.linalg.norm(np.ptp(POINTS, axis=0))
+
+
+def waves(height: float, number: float) -> np.ndarray:
+    """Return a displacement (p,) of this height over the diagonal, of so many waves over it."""
+    return height * SIZE * np.sin(2 * np.pi * number / SIZE * POINTS @ [0.6, 0.64, 0.48])
+
+
+def test_nothing_is_seen_where_nothing_changed_nor_after_a_shift():
+    seen = VisibleChange(POINTS, FACES)
+    for points in (POINTS, POINTS + 3.0):
+        found = seen.of(points)
+        assert found.share == 0.0
+        assert found.p95 < 1e-5
+
+
+def test_a_wave_is_seen_by_its_slope_not_by_its_height():
+    seen = VisibleChange(POINTS, FACES)
+    gentle = seen.of(POINTS + waves(2e-3, 2)[:, None] * NORMALS)
+    steep = seen.of(POINTS + waves(5e-4, 20)[:, None] * NORMALS)
+    assert gentle.share < 0.05
+    assert steep.share > 0.9
+
+
+def test_rough_surface_hides_what_shows_on_a_smooth_one():
+    noise = 2e-3 * SIZE * np.random.default_rng(1).normal(size=POINTS.shape)
+    change = waves(2e-4, 15)[:, None] * NORMALS
+    smooth = VisibleChange(POINTS, FACES).of(POINTS + change)
+    rough = VisibleChange(POINTS + noise, FACES).of(POINTS + noise + change)
+    assert rough.median < 0.7 * smooth.median
+
+
+def test_the_first_order_predicts_small_changes():
+    seen = VisibleChange(POINTS, FACES)
+    length = waves(1e-5, 12)
+    ratio = seen.ratios_of(seen.slopes(NORMALS) @ length)
+    exact = seen.of(POINTS + length[:, None] * NORMALS)
+    assert np.median(ratio) == pytest.approx(exact.median, rel=0.01)
+    assert np.quantile(ratio, 0.95) == pytest.approx(exact.p95, rel=0.01)
+
+
+def test_size_place_and_unit_make_no_difference():
+    change = waves(2e-4, 12)[:, None] * NORMALS
+    one = VisibleChange(POINTS, FACES).of(POINTS + change)
+    other = VisibleChange(1e-3 * POINTS + 7.0, FACES).of(1e-3 * (POINTS + change) + 7.0)
+    assert other.median == pytest.approx(one.median, rel=1e-3)
+    assert other.share == pytest.approx(one.share, abs=0.01)
