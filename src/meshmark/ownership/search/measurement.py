@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,10 +19,11 @@ from meshmark.ownership.carriers.quantisation import (
     log10_lock_chance,
     log_likelihood_ratio,
 )
-from meshmark.ownership.carriers.relief import Relief
 from meshmark.ownership.carriers.selection import select_cells
-from meshmark.ownership.demodulator import demodulate
 from meshmark.ownership.parameters import EXTRACT_SELECTION
+
+if TYPE_CHECKING:
+    from meshmark.ownership.carriers.relief import Relief
 
 __all__ = ["Measurement", "Reading", "place", "read_cells"]
 
@@ -92,6 +94,8 @@ class Reading:
         if measured.relief is None:
             ratio = log_likelihood_ratio(self.phase)
         else:
+            from meshmark.ownership.demodulator import demodulate
+
             ratio = demodulate(self.phase, measured.cells, self.step, measured.relief)
         return np.bincount(measured.keys.code_index, ratio, LENGTH).astype(np.float64)
 
