@@ -17,7 +17,7 @@ __all__ = ["EFFORTS", "Search"]
 
 EFFORTS = ("plain", "quick", "wide")
 # A mesh with more points is no coarse one: what `restoration.py` undoes is enough there.
-_COARSE = 12_000
+COARSE = 12_000
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -47,7 +47,7 @@ class Search:
     @property
     def is_coarse(self) -> bool:
         """Return whether the mesh is so coarse that its mark may lie in what restorations filter off."""
-        return len(self.surface.points) <= _COARSE
+        return len(self.surface.points) <= COARSE
 
     def lattice(self, spacing: float) -> Lattice:
         """Return the key's lattice."""
