@@ -1,6 +1,7 @@
 """Models that nobody altered: marked with each choice of layers and tolerance, then put through what is promised.
 
-python -m claims.false_alarms --store FILE.csv [--models models/test psb/test:100 textured] [--workers 2] [--written]
+python -m claims.false_alarms --store FILE.csv [--models models/test psb/test:100 textured] [--workers 2]
+    [--written]
 
 One row a model, layers and tolerance; rows that are in the store are not made again, so a run that was stopped
 goes on. psb/test:100 stands for a seeded 100 of that folder. After --minutes M no further row is begun.
