@@ -29,7 +29,7 @@ COMMANDS = {
     "hostile": "docs/decisions/0016-odd-files.md",
     "marks": "docs/decisions/0008-authentication-marks.md",
     "metrics_validation": "docs/decisions/0005-metrics.md",
-    "princeton": "docs/claims.md",
+    "princeton": "docs/results/field-files.md",
     "published": "docs/results/published.md",
     "recovery": "docs/decisions/0007-payload-recovery.md",
     "region_classifier": "docs/decisions/0010-layers-and-regions.md",

@@ -1,6 +1,7 @@
 """Models that nobody altered: marked with each choice of layers and tolerance, then put through what is promised.
 
 python -m claims.false_alarms --store FILE.csv [--models models/test psb/test:100 textured] [--workers 2]
+    [--written]
 
 One row a model, layers and tolerance; rows that are in the store are not made again, so a run that was stopped
 goes on. psb/test:100 stands for a seeded 100 of that folder. After --minutes M no further row is begun.
@@ -19,7 +20,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import asdict, dataclass, fields
-from itertools import product
+from itertools import islice, product
 from pathlib import Path
 from time import monotonic, perf_counter
 from zlib import crc32
@@ -76,8 +77,11 @@ def models_of(names: Iterable[str]) -> list[Path]:
     return [paths[each] for each in np.random.default_rng(14).permutation(len(paths))]
 
 
-def measure(path: Path, layers: str, tolerance: str) -> Row:
-    """Mark a model and put the file through every operation that is promised to leave it authentic."""
+def measure(path: Path, layers: str, tolerance: str, most: int | None = None) -> Row:
+    """Mark a model and put the file through operations that are promised to leave it authentic.
+
+    most: how many of them, the file as written first; None: all.
+    """
     start, model = perf_counter(), path.relative_to(DATA).as_posix()
     points, trials, alarmed = 0, 0, []
     outcome, said = "marked", ""
@@ -93,7 +97,7 @@ def measure(path: Path, layers: str, tolerance: str) -> Row:
         )
         said = "; ".join(marked.remarks)
         with tempfile.TemporaryDirectory(prefix="meshmark-") as folder:
-            for name, changed in written_and_promised(marked, path, tolerance, Path(folder)):
+            for name, changed in islice(written_and_promised(marked, path, tolerance, Path(folder)), most):
                 trials += 1
                 if raises_alarm(changed, marked.id, layers):
                     alarmed.append(name)
@@ -135,6 +139,7 @@ def main() -> int:
     parser.add_argument("--layers", nargs="+", choices=LAYERS, default=list(LAYERS))
     parser.add_argument("--tolerances", nargs="+", choices=TOLERANCES, default=list(TOLERANCES))
     parser.add_argument("--most-bytes", type=int, default=10**12, help="leave larger files out")
+    parser.add_argument("--written", action="store_true", help="only the file as written, no operation")
     parser.add_argument("--workers", type=int, default=1)
     parser.add_argument("--minutes", type=float, default=float("inf"))
     options = parser.parse_args()
@@ -144,7 +149,8 @@ def main() -> int:
     done = {(row.model, row.layers, row.tolerance) for row in rows}
     jobs = [job for job in wanted if (job[0].relative_to(DATA).as_posix(), *job[1:]) not in done]
     print(f"{len(wanted)} rows wanted, {len(jobs)} to make", flush=True)
-    for row in _made(jobs, options.workers, monotonic() + 60.0 * options.minutes):
+    most = 1 if options.written else None
+    for row in _made(jobs, most, options.workers, monotonic() + 60.0 * options.minutes):
         append(options.store, row)
         rows.append(row)
         print(
@@ -164,23 +170,23 @@ def _jobs(path: Path, layers: list[str], tolerances: list[str]) -> Iterator[tupl
         yield path, "ownership", NONE
 
 
-def _made(jobs: list[tuple[Path, str, str]], workers: int, end: float) -> Iterator[Row]:
+def _made(jobs: list[tuple[Path, str, str]], most: int | None, workers: int, end: float) -> Iterator[Row]:
     """Yield rows as they are made; none is begun after `end`."""
     if workers <= 1:
         for job in jobs:
             if monotonic() > end:
                 return
-            yield measure(*job)
+            yield measure(*job, most)
         return
     with ProcessPoolExecutor(workers) as pool:
-        waiting = {pool.submit(_before, end, *job) for job in jobs}
+        waiting = {pool.submit(_before, end, most, *job) for job in jobs}
         for ready in as_completed(waiting):
             if (row := ready.result()) is not None:
                 yield row
 
 
-def _before(end: float, path: Path, layers: str, tolerance: str) -> Row | None:
-    return measure(path, layers, tolerance) if monotonic() <= end else None
+def _before(end: float, most: int | None, path: Path, layers: str, tolerance: str) -> Row | None:
+    return measure(path, layers, tolerance, most) if monotonic() <= end else None
 
 
 def read_rows(store: Path) -> list[Row]:

@@ -34,7 +34,7 @@ from meshmark.geometry.adjacency import adjacency, unique_edges
 from meshmark.geometry.surface import Surface
 from meshmark.geometry.weld import weld
 from meshmark.io import read_mesh, write_mesh
-from meshmark.io.save import conform
+from meshmark.io.file_precision import conform
 from meshmark.mesh import Mesh
 from meshmark.metrics.tamper import iou, recall
 

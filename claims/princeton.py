@@ -7,7 +7,7 @@ row is written as soon as its model is done; run it again to continue an interru
 order in which any first few are spread over sizes. At the end, or at once with --tables, two tables are printed:
 outcomes by size class, and reasons of the models that were not marked with both layers.
 
-No page quotes its figures yet; docs/claims.md says what it prints.
+Figures of docs/results/field-files.md.
 """
 
 from __future__ import annotations

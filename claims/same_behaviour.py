@@ -42,6 +42,7 @@ def models() -> list[Path]:
         *classic[: 2 * len(classic) // 3 : 2][:12],
         *coarse[len(coarse) // 2 :: len(coarse) // 12][:6],
         *textured[::2][:6],
+        *classic[20:24:2],
     ]
 
 

@@ -50,5 +50,5 @@ def shared_data() -> Path:
 
 @pytest.fixture(scope="session")
 def model() -> Mesh:
-    """Return a closed shape of 2,522 vertices, for the tests that need no other."""
-    return Mesh(*pebble())
+    """Return a closed shape of 2,382 vertices, for the tests that need no other."""
+    return Mesh(*pebble(70))

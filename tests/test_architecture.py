@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import ast
 import statistics
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
 import meshmark
+import meshmark.io
+import meshmark.marking
 from tests.counting import some
 from tests.imports import circles, folder_of, import_graph
 
@@ -16,9 +20,9 @@ ROOT = Path(meshmark.__file__).parent
 SOURCES = sorted(ROOT.rglob("*.py"))
 # A module imports from its own layer or from those before it.
 LAYERS = (
-    "errors", "data", "arrays", "document", "mesh", "threads", "strengths", "coding", "geometry", "io", "scene",
-    "saliency", "segmentation", "network", "certificate", "ownership", "recovery", "authentication", "marking",
-    "attacks", "metrics", "report", "cli", "", "__main__", "research",
+    "errors", "late", "data", "arrays", "document", "mesh", "threads", "strengths", "coding", "geometry", "io",
+    "scene", "saliency", "segmentation", "network", "certificate", "ownership", "recovery", "authentication",
+    "marking", "attacks", "metrics", "report", "cli", "", "__main__", "research",
 )  # fmt: skip
 # The same of the folders within a folder.
 INSIDE = {
@@ -171,6 +175,24 @@ def test_public_names_exist_and_are_documented():
     assert [name for name in meshmark.__all__ if name not in listed] == []
 
 
-def test_unknown_public_names_are_refused():
-    with pytest.raises(AttributeError, match="no attribute 'nonsense'"):
-        meshmark.nonsense  # noqa: B018
+@pytest.mark.parametrize("package", [meshmark, meshmark.io, meshmark.marking], ids=lambda item: item.__name__)
+def test_the_names_of_a_package_are_found_when_they_are_asked_for(package):
+    assert [name for name in some(package.__all__) if not hasattr(package, name)] == []
+    assert set(package.__all__) <= set(dir(package))
+    with pytest.raises(AttributeError, match=f"module '{package.__name__}' has no attribute 'nonsense'"):
+        package.nonsense  # noqa: B018
+
+
+def test_embedding_loads_what_it_needs_only():
+    """No format of a file, no search for a damaged mark and no recovery, until they are called for."""
+    program = "import sys, meshmark; meshmark.embed; print(*sys.modules)"
+    run = subprocess.run([sys.executable, "-c", program], check=True, capture_output=True, text=True)
+    loaded = {place(name) for name in run.stdout.split() if name.startswith("meshmark.")}
+    late = (
+        "io.formats", "io.source", "io.save", "io.ply", "io.gltf", "ownership.search.restored", "recovery.repair",
+        "ownership.demodulator", "geometry.registration", "authentication.verdict", "saliency", "segmentation",
+    )  # fmt: skip
+    assert "marking.both_layers" in loaded
+    assert [name for name in late if name in loaded] == []
+    other = {"cryptography", "jinja2", "rich", "fast_simplification", "scipy.linalg", "scipy.spatial"}
+    assert other & set(run.stdout.split()) == set()

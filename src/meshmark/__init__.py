@@ -14,8 +14,9 @@ Each is imported when it is first used.
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from meshmark.late import late_names
 
 if TYPE_CHECKING:
     from meshmark.attacks import ATTACKS
@@ -111,12 +112,7 @@ _HOME = {
 }
 
 
-def __getattr__(name: str) -> Any:
-    if name not in _HOME:
-        raise AttributeError(f"module 'meshmark' has no attribute {name!r}")
-    value = getattr(import_module(f"meshmark.{_HOME[name]}"), name)
-    globals()[name] = value
-    return value
+__getattr__ = late_names(__name__, _HOME)
 
 
 def __dir__() -> list[str]:

@@ -12,6 +12,9 @@ import pytest
 from meshmark.cli.main import main
 from meshmark.coding.keys import Key
 from meshmark.data import hare_ply
+from meshmark.io import write_mesh
+from meshmark.mesh import Mesh
+from tests.shapes import pebble
 
 IDENTITY = "0123456789abcdef"
 
@@ -38,6 +41,13 @@ def cli(capsys: pytest.CaptureFixture[str]) -> Run:
         return Ran(code, *capsys.readouterr(), as_json="--json" in arguments)
 
     return run
+
+
+@pytest.fixture
+def small_model(tmp_path: Path) -> Path:
+    """A model of 1,106 vertices."""
+    write_mesh(Mesh(*pebble(48)), tmp_path / "small.ply")
+    return tmp_path / "small.ply"
 
 
 class Files(NamedTuple):

@@ -139,10 +139,10 @@ def test_another_key_finds_nothing(cli, files, tmp_path):
     assert not (tmp_path / "out.ply").exists()
 
 
-def test_the_id_alone_does_not_tell_and_its_certificate_does(cli, files, tmp_path):
+def test_the_id_alone_does_not_tell_and_its_certificate_does(cli, files, small_model, tmp_path):
     out, certificate = tmp_path / "id.ply", tmp_path / "id.cert"
     arguments = ("--key", files.key, "--layers", "ownership", "--certificate", certificate)
-    assert cli("embed", files.model, out, *arguments).code == 0
+    assert cli("embed", small_model, out, *arguments).code == 0
     ran = cli("authenticate", out, "--key", files.key)
     assert ran.code == 3
     assert ran.out.startswith("Inconclusive")

@@ -74,7 +74,7 @@ def test_places_where_nothing_can_be_written(cli, files, tmp_path):
 
 LIMITED = """
 import resource, sys
-resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))
+resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, 10_000))
 from meshmark.cli.main import run
 run()
 """
@@ -82,11 +82,11 @@ run()
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs resource limits")
 @pytest.mark.parametrize("command", ["embed", "segment"])
-def test_no_space_for_the_output(files, tmp_path, command):
+def test_no_space_for_the_output(files, small_model, tmp_path, command):
     before = snapshot(tmp_path)
     line = {
-        "embed": ["embed", files.model, tmp_path / "out.ply", "--key", files.key, "--layers", "ownership"],
-        "segment": ["segment", files.model, "--picture", tmp_path / "out.png"],
+        "embed": ["embed", small_model, tmp_path / "out.ply", "--key", files.key, "--layers", "ownership"],
+        "segment": ["segment", small_model, "--picture", tmp_path / "out.png"],
     }[command]
     ran = subprocess.run(
         [sys.executable, "-c", LIMITED, *map(str, line)],

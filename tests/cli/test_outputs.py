@@ -21,25 +21,23 @@ from tests.shapes import pebble
 
 @pytest.fixture(scope="module")
 def small(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with a model, a key, the marked model and its certificate, which tests only read."""
+    """A folder of files that tests only read.
+
+    A model, a key, the marked model and its certificate, and another model, `both.ply`, with both layers.
+    """
     from meshmark.cli.main import main
 
     folder = tmp_path_factory.mktemp("small")
     mm.write_mesh(mm.Mesh(*pebble(48)), folder / "in.ply")
     mm.Key(bytes(range(32))).save(folder / "my.key")
-    line = [
-        "embed",
-        "in.ply",
-        "marked.ply",
-        "--key",
-        "my.key",
-        "--certificate",
-        "my.cert",
-        "--layers",
-        "ownership",
-    ]
-    line = [str(folder / word) if "." in word else word for word in line]
-    assert main(line) == 0
+    mm.write_mesh(mm.Mesh(*pebble(70)), folder / "larger.ply")
+    for text in (
+        "embed in.ply marked.ply --key my.key --certificate my.cert --layers ownership",
+        "embed larger.ply both.ply --key my.key --layers both",
+    ):
+        line = [str(folder / word) if "." in word else word for word in text.split()]
+        assert main(line) == 0
+    (folder / "larger.ply").unlink()
     return folder
 
 
@@ -62,11 +60,10 @@ WRITING = {
 
 
 @pytest.fixture
-def place(small: Path, files, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A folder of copies, which is the current one; `both.ply` carries both layers."""
+def place(small: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder of copies, which is the current one."""
     for path in small.iterdir():
         (tmp_path / path.name).write_bytes(path.read_bytes())
-    (tmp_path / "both.ply").write_bytes(files.marked.read_bytes())
     monkeypatch.chdir(tmp_path)
     return tmp_path
 

@@ -24,7 +24,7 @@ PRESENT = {"both": (True, True), "ownership": (True, False), "authentication": (
 
 @pytest.fixture(scope="module", params=PRESENT)
 def result(request):
-    return mm.embed(Mesh(*pebble(72)), KEY, id=ID, layers=request.param)
+    return mm.embed(Mesh(*pebble(70)), KEY, id=ID, layers=request.param)
 
 
 def test_a_layer_that_was_not_asked_for_is_none(result):

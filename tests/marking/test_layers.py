@@ -194,7 +194,7 @@ def test_a_payload_is_read_from_scattered_marks_though_the_map_believes_few(mode
 def test_a_small_model_whose_marks_do_not_tell_the_id_is_marked_for_the_layer_below_tells_it():
     small = Mesh(*pebble(48))
     silent = 0
-    for identity in range(3, 20):
+    for identity in range(3, 8):  # one draw in five or so
         result = embed(small, KEY, id=identity, payload="none")
         silent += check(weld(result.mesh), KEY).nonce is None
         found = authenticate(result.mesh, KEY)

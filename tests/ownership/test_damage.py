@@ -20,7 +20,7 @@ def model() -> Mesh:
 
 @pytest.fixture(scope="module")
 def marked(model):
-    return embed(model, KEY, id=ID)
+    return embed(model, KEY, id=ID, tolerance="strict")
 
 
 def attacked(mesh, text):

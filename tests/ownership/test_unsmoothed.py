@@ -10,6 +10,7 @@ from meshmark.geometry.weld import weld
 from meshmark.marking import embed, extract
 from meshmark.mesh import Mesh
 from meshmark.ownership.parameters import LOCK_STEPS, SPACING_TRIES
+from meshmark.ownership.search import search
 from meshmark.ownership.search import unsmoothed as module
 from meshmark.ownership.search.search import Search
 from meshmark.ownership.search.trials import TrialCounter
@@ -44,7 +45,7 @@ def test_a_smoothed_coarse_model_is_read(marked, text, monkeypatch):
     found = extract(suspect, KEY)
     assert (found.presence, found.id) == ("present", ID)
     assert found.log10_false_positive <= -6.0
-    monkeypatch.setattr(module, "COARSE", 0)
+    monkeypatch.setattr(search, "COARSE", 0)
     assert extract(suspect, KEY).id is None
 
 
@@ -70,5 +71,5 @@ def test_shapes_that_got_rough_are_left_out(marked):
 
 
 def test_a_fine_mesh_is_left_to_the_restorations(marked, monkeypatch):
-    monkeypatch.setattr(module, "COARSE", 100)
+    monkeypatch.setattr(search, "COARSE", 100)
     assert not list(module.unsmoothed_readings(Search(surface=weld(marked), key=KEY)))

@@ -23,7 +23,7 @@ from meshmark.geometry.surface import Surface
 from meshmark.mesh import Mesh
 from meshmark.ownership.extraction import extract
 from meshmark.ownership.extraction_result import Extraction
-from meshmark.scene.surfaces import marked_surface, mirrored, repeated, unfolded
+from meshmark.scene.surfaces import marked_surface, mirrored, unfolded
 
 __all__ = ["DOUBTFUL_LOG10", "MARKED_LOG10", "Examination", "examine"]
 
@@ -112,6 +112,8 @@ def examine(mesh: Mesh, key: Key, reference: Certificate | Mesh | None = None) -
         return found
     if found.payload and not found.payload.whole.distinct:
         return found
+    from meshmark.scene.copies_by_shape import repeated
+
     for copies in repeated(mesh, cut=True):
         surface = unfolded(mesh, copies)
         for way in (surface, *mirrored(surface)):

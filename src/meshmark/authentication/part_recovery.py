@@ -16,7 +16,7 @@ from meshmark.coding.keys import Key
 from meshmark.errors import InputError
 from meshmark.geometry.surface import Surface
 from meshmark.io.derived import derived, losses
-from meshmark.io.save import conform
+from meshmark.io.file_precision import conform
 from meshmark.mesh import IntArray, Mesh
 from meshmark.recovery.borders import border_edges
 from meshmark.recovery.repair import Recovered

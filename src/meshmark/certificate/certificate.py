@@ -27,16 +27,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from hashlib import blake2b
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from meshmark.certificate.certificate_fields import FORMAT, VERSION, OldVersionError, packed, read_fields
 from meshmark.errors import InputError
 from meshmark.geometry.frame import Frame
-from meshmark.geometry.registration.landmarks import Landmarks
-from meshmark.io.atomic_write import write_whole
-from meshmark.io.staging import Staging
+
+if TYPE_CHECKING:
+    from meshmark.geometry.registration.landmarks import Landmarks
+    from meshmark.io.staging import Staging
 
 __all__ = ["Certificate"]
 
@@ -63,6 +63,8 @@ class Certificate:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the fields of the file, plain JSON values."""
+        from meshmark.certificate.certificate_fields import FORMAT, VERSION, packed
+
         return {
             "format": FORMAT,
             "version": VERSION,
@@ -99,12 +101,16 @@ class Certificate:
 
         staging: takes the file, to move it into place together with others.
         """
+        from meshmark.io.atomic_write import write_whole
+
         text = json.dumps(self.to_dict(), indent=1, allow_nan=False) + "\n"
         write_whole(os.fspath(path), text.encode("ascii"), staging)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Certificate:
         """Read a certificate; raises `InputError` that says what is wrong with the file."""
+        from meshmark.certificate.certificate_fields import OldVersionError, read_fields
+
         name = os.fspath(path)
         try:
             with Path(path).open("rb") as file:
@@ -130,6 +136,8 @@ class Certificate:
         model_digest: 16 hexadecimal digits of the marked model's counts and frame, equal for certificates of one
         marked model. takes_mark_off: it holds what `unmark` needs.
         """
+        from meshmark.certificate.certificate_fields import FORMAT, VERSION
+
         frame = self.frame
         numbers = [
             *frame.centre,

@@ -9,14 +9,7 @@ from pathlib import Path
 
 from meshmark.document import Attributes, Document
 from meshmark.errors import InputError
-from meshmark.io.obj.convert import convert_obj
-from meshmark.io.obj.parse import parse_obj
-from meshmark.io.off.convert import convert_off
-from meshmark.io.off.parse import parse_off
-from meshmark.io.ply.convert import convert_ply
-from meshmark.io.ply.parse import parse_ply
-from meshmark.io.stl.convert import convert_stl
-from meshmark.io.stl.parse import parse_stl
+from meshmark.late import late_function
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["FORMATS", "OTHER_NAMES", "Format", "check_extension", "detect_format", "format_of_name"]
@@ -71,46 +64,10 @@ def _looks_like_stl(head: bytes, size: int) -> bool:
     return text or (facets > 0 and size == 84 + 50 * facets)
 
 
-# XML, archives and web addresses are slow to import: these modules wait until their format is used.
-def _parse_glb(data: bytes, path: Path) -> Document:
-    from meshmark.io.gltf.parse import parse_glb
-
-    return parse_glb(data, path)
-
-
-def _convert_glb(vertices: FloatArray, faces: IntArray, attributes: Attributes, name: str) -> Converted:
-    from meshmark.io.gltf.convert import convert_glb
-
-    return convert_glb(vertices, faces, attributes, name)
-
-
-def _parse_gltf(data: bytes, path: Path) -> Document:
-    from meshmark.io.gltf.parse import parse_gltf
-
-    return parse_gltf(data, path)
-
-
-def _convert_gltf(vertices: FloatArray, faces: IntArray, attributes: Attributes, name: str) -> Converted:
-    from meshmark.io.gltf.convert import convert_gltf
-
-    return convert_gltf(vertices, faces, attributes, name)
-
-
-def _parse_3mf(data: bytes, path: Path) -> Document:
-    from meshmark.io.threemf.parse import parse_3mf
-
-    return parse_3mf(data, path)
-
-
-def _convert_3mf(vertices: FloatArray, faces: IntArray, attributes: Attributes, name: str) -> Converted:
-    from meshmark.io.threemf.convert import convert_3mf
-
-    return convert_3mf(vertices, faces, attributes, name)
-
-
 _ALL = frozenset({"normals", "texcoords", "colors"})
 
-# In the order in which content is tried: formats with a magic number first, the loosest last.
+# In the order in which content is tried: formats with a magic number first, the loosest last. The modules of a
+# format are imported when one of its files is read or written.
 FORMATS: dict[str, Format] = {
     entry.name: entry
     for entry in (
@@ -118,56 +75,56 @@ FORMATS: dict[str, Format] = {
             name="glb",
             extensions=(".glb",),
             sniff=_matches(_GLB),
-            parse=_parse_glb,
-            convert=_convert_glb,
+            parse=late_function("meshmark.io.gltf.parse", "parse_glb"),
+            convert=late_function("meshmark.io.gltf.convert", "convert_glb"),
             keeps=_ALL,
         ),
         Format(
             name="3mf",
             extensions=(".3mf",),
             sniff=_matches(_ZIP),
-            parse=_parse_3mf,
-            convert=_convert_3mf,
+            parse=late_function("meshmark.io.threemf.parse", "parse_3mf"),
+            convert=late_function("meshmark.io.threemf.convert", "convert_3mf"),
             keeps=frozenset(),
         ),
         Format(
             name="ply",
             extensions=(".ply",),
             sniff=_matches(_PLY),
-            parse=parse_ply,
-            convert=convert_ply,
+            parse=late_function("meshmark.io.ply.parse", "parse_ply"),
+            convert=late_function("meshmark.io.ply.convert", "convert_ply"),
             keeps=_ALL,
         ),
         Format(
             name="off",
             extensions=(".off",),
             sniff=_matches(_OFF),
-            parse=parse_off,
-            convert=convert_off,
+            parse=late_function("meshmark.io.off.parse", "parse_off"),
+            convert=late_function("meshmark.io.off.convert", "convert_off"),
             keeps=_ALL,
         ),
         Format(
             name="gltf",
             extensions=(".gltf",),
             sniff=_matches(_JSON),
-            parse=_parse_gltf,
-            convert=_convert_gltf,
+            parse=late_function("meshmark.io.gltf.parse", "parse_gltf"),
+            convert=late_function("meshmark.io.gltf.convert", "convert_gltf"),
             keeps=_ALL,
         ),
         Format(
             name="stl",
             extensions=(".stl",),
             sniff=_looks_like_stl,
-            parse=parse_stl,
-            convert=convert_stl,
+            parse=late_function("meshmark.io.stl.parse", "parse_stl"),
+            convert=late_function("meshmark.io.stl.convert", "convert_stl"),
             keeps=frozenset(),
         ),
         Format(
             name="obj",
             extensions=(".obj",),
             sniff=_looks_like_obj,
-            parse=parse_obj,
-            convert=convert_obj,
+            parse=late_function("meshmark.io.obj.parse", "parse_obj"),
+            convert=late_function("meshmark.io.obj.convert", "convert_obj"),
             keeps=_ALL,
         ),
     )

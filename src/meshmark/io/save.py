@@ -15,9 +15,9 @@ from meshmark.io.conversion import converted
 from meshmark.io.formats import FORMATS, Format, check_extension, format_of_name
 from meshmark.io.source import SourceFile
 from meshmark.io.staging import Staging
-from meshmark.mesh import FloatArray, Mesh
+from meshmark.mesh import Mesh
 
-__all__ = ["WriteReport", "check_recompression", "conform", "input_files", "uncompressed", "write_mesh"]
+__all__ = ["WriteReport", "check_recompression", "input_files", "uncompressed", "write_mesh"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,24 +42,6 @@ def _check_is_mesh(mesh: object) -> None:
             f"write_mesh was given an {kind}, expected a mesh: pass its attribute, {kind.lower()}.mesh"
         )
     raise InputError(f"write_mesh was given an object of type {kind}, expected a Mesh")
-
-
-def conform(mesh: Mesh, vertices: FloatArray) -> FloatArray:
-    """Return the positions that the mesh's file would hold, after its own precision, for these.
-
-    Parameters
-    ----------
-    mesh : Mesh
-        A mesh of n vertices; one made in memory holds any double.
-    vertices : (n, 3) array of float
-        Positions to be saved.
-
-    Returns
-    -------
-    (n, 3) array of float
-        The same positions after a save and another reading.
-    """
-    return vertices.copy() if mesh.document is None else mesh.document.conform(vertices)
 
 
 def write_mesh(

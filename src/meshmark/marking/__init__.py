@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
-from meshmark.authentication.part_recovery import Recovery, recover
-from meshmark.authentication.verdict import Authentication, authenticate
-from meshmark.certificate.certificate import Certificate
-from meshmark.marking.both_layers import embed
-from meshmark.marking.embedding_result import AuthenticationMark, Embedding
-from meshmark.marking.marked_file import embed_file
-from meshmark.marking.undo import Unmarked, unmark
-from meshmark.ownership.extraction import extract
-from meshmark.ownership.extraction_result import Evidence, Extraction
-from meshmark.ownership.ownership_mark import OwnershipMark
+from typing import TYPE_CHECKING
+
+from meshmark.late import late_names
+
+if TYPE_CHECKING:
+    from meshmark.authentication.part_recovery import Recovery, recover
+    from meshmark.authentication.verdict import Authentication, authenticate
+    from meshmark.certificate.certificate import Certificate
+    from meshmark.marking.both_layers import embed
+    from meshmark.marking.embedding_result import AuthenticationMark, Embedding
+    from meshmark.marking.marked_file import embed_file
+    from meshmark.marking.undo import Unmarked, unmark
+    from meshmark.ownership.extraction import extract
+    from meshmark.ownership.extraction_result import Evidence, Extraction
+    from meshmark.ownership.ownership_mark import OwnershipMark
 
 __all__ = [
     "Authentication",
@@ -30,3 +35,27 @@ __all__ = [
     "recover",
     "unmark",
 ]
+
+_HOME = {
+    "Authentication": "authentication.verdict",
+    "AuthenticationMark": "marking.embedding_result",
+    "Certificate": "certificate.certificate",
+    "Embedding": "marking.embedding_result",
+    "Evidence": "ownership.extraction_result",
+    "Extraction": "ownership.extraction_result",
+    "OwnershipMark": "ownership.ownership_mark",
+    "Recovery": "authentication.part_recovery",
+    "Unmarked": "marking.undo",
+    "authenticate": "authentication.verdict",
+    "embed": "marking.both_layers",
+    "embed_file": "marking.marked_file",
+    "extract": "ownership.extraction",
+    "recover": "authentication.part_recovery",
+    "unmark": "marking.undo",
+}
+
+__getattr__ = late_names(__name__, _HOME)
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -17,7 +17,7 @@ from meshmark.authentication.payload.signed_totals import whole_of
 from meshmark.coding.keys import Key
 from meshmark.errors import CapacityError
 from meshmark.geometry.surface_of import surface_of_moved
-from meshmark.io.save import conform
+from meshmark.io.file_precision import conform
 from meshmark.marking.embedding_result import AuthenticationMark
 from meshmark.marking.mark_request import MarkRequest
 from meshmark.marking.promises import broken_by

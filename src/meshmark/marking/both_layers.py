@@ -14,7 +14,6 @@ from meshmark.marking.authentication_layer import Base, with_authentication
 from meshmark.marking.embedding_result import Embedding
 from meshmark.marking.mark_request import MarkRequest
 from meshmark.marking.repeated_mesh import embed_repeated
-from meshmark.marking.undo import sealed
 from meshmark.marking.verification import verify
 from meshmark.mesh import Mesh
 from meshmark.ownership.embedding import Owned
@@ -73,6 +72,8 @@ def embed(
     CapacityError
         The mesh cannot carry what is asked for.
     """
+    from meshmark.marking.undo import sealed
+
     start = perf_counter()
     request = MarkRequest.checked(
         key, id=id, strength=strength, layers=layers, payload=payload, tolerance=tolerance

@@ -6,15 +6,16 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import isinf
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from meshmark.certificate.certificate import Certificate
-from meshmark.certificate.certify import certify
 from meshmark.coding.message import format_id
 from meshmark.mesh import Mesh
 from meshmark.ownership.ownership_mark import OwnershipMark
 from meshmark.ownership.parameters import SPACINGS, STEPS
 from meshmark.ownership.vertex_displacement import VertexDisplacement
+
+if TYPE_CHECKING:
+    from meshmark.certificate.certificate import Certificate
 
 __all__ = ["AuthenticationMark", "Embedding"]
 
@@ -100,6 +101,8 @@ class Embedding:
     @cached_property
     def certificate(self) -> Certificate:
         """What to keep of the marked model, so that its mark is found in a damaged copy, or taken off again."""
+        from meshmark.certificate.certify import certify
+
         # The file has no way to say that there is no lattice: without the layer it names the first of the grid.
         mark = self.ownership or OwnershipMark(carriers=0, spacing=float(SPACINGS[0]), step=float(STEPS[0]))
         made = certify(self.mesh, mark.spacing, mark.step, self.strength, repeated_only=mark.repeated_only)

@@ -30,7 +30,7 @@ from meshmark.geometry.frame import Frame, frame_alternatives
 from meshmark.geometry.kd_tree import kd_tree
 from meshmark.geometry.surface import Surface
 from meshmark.geometry.surface_of import surface_of
-from meshmark.io.save import conform
+from meshmark.io.file_precision import conform
 from meshmark.mesh import FloatArray, IntArray, Mesh
 from meshmark.scene.distinct import distinct
 from meshmark.scene.surfaces import surfaces_to_read

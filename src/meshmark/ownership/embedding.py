@@ -16,7 +16,7 @@ from meshmark.errors import CapacityError, InputError
 from meshmark.geometry.surface import Surface
 from meshmark.geometry.surface_of import surface_of, surface_of_moved
 from meshmark.geometry.visibility import VisibleChange
-from meshmark.io.save import conform
+from meshmark.io.file_precision import conform
 from meshmark.mesh import Mesh
 from meshmark.ownership.carriers.lattice import Lattice
 from meshmark.ownership.extraction import find

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Final
 
-import os
-
 import numpy as np
 
 __all__ = [
@@ -62,12 +60,12 @@ BUDGET_SHARE: Final = 0.95
 SPACINGS: Final = 0.5 * 2.0 ** (-np.arange(19) / 4.0)
 # Wanted number of cells, with a patch of area spacing^2 each; fewer carry more energy per bit, more carry more
 # bits.
-CARRIER_GOAL: Final = float(os.environ.get('MM_GOAL','300'))
+CARRIER_GOAL: Final = 300
 # A spacing with this many carriers is taken; else the one with most.
-CARRIER_ENOUGH: Final = min(170, 0.73 * CARRIER_GOAL)
+CARRIER_ENOUGH: Final = 170
 # An extraction that reads at least this number takes the spacing for such a one: more, as an attack may have lost
 # or added some.
-CARRIER_PLENTY: Final = min(200, 0.8 * CARRIER_GOAL)
+CARRIER_PLENTY: Final = 200
 # With fewer carriers of a 64-bit id no decoder can distinguish it from chance (decision 0004).
 CARRIER_MINIMUM: Final = 110
 # Nor is it tried where the cells that are read yield fewer bits than this by hard decisions (64 are needed): of the
@@ -130,7 +128,7 @@ LOCK_STEPS: Final = tuple(float(step) for step in STEPS[:16])
 # A step such as standard marks have: clusters of cells are chosen by it.
 TYPICAL_STEP: Final = 0.1
 # Number of corrections of a reading that are decoded.
-LOCK_CANDIDATES: Final = int(os.environ.get('MM_CAND','2'))
+LOCK_CANDIDATES: Final = 2
 # A lock less likely than 10^this by chance, over its own search, is worth measuring anew where it puts the model.
 CREDIBLE_LOG10: Final = -0.5
 # Frames that a cropped model may have had, so far apart (RMS motion over scale); the standard deviation of what is

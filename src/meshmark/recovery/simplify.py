@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import heapq
 
-import fast_simplification
 import numpy as np
 
 from meshmark.geometry.areas import area_vectors
@@ -43,6 +42,8 @@ def simplify(points: FloatArray, faces: IntArray, count: int) -> tuple[FloatArra
 
 
 def _coarse(points: FloatArray, faces: IntArray, target: int) -> tuple[FloatArray, IntArray]:
+    import fast_simplification
+
     middle, size = points.mean(axis=0), float(np.ptp(points, axis=0).max()) / SIZE
     moved, left = fast_simplification.simplify(
         (points - middle) / size, faces.astype(np.int32), target_count=target

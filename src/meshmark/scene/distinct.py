@@ -10,18 +10,19 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Protocol, cast, runtime_checkable
+from typing import TYPE_CHECKING, Any, Protocol, cast, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from meshmark.document import Attributes, Document
+from meshmark.geometry.affine import Affine
 from meshmark.geometry.surface import Surface
-from meshmark.io.placement import Affine, Placement
-from meshmark.io.save import conform
-from meshmark.io.source import SourceFile
+from meshmark.io.file_precision import conform
 from meshmark.mesh import FloatArray, IntArray, Mesh
-from meshmark.scene.showings import faces_once, maps_between, placement_ranks
+
+if TYPE_CHECKING:
+    from meshmark.io.placement import Placement
 
 __all__ = ["Distinct", "Piece", "as_shown", "distinct", "scene_of"]
 
@@ -231,6 +232,11 @@ def distinct(mesh: Mesh) -> Distinct | None:
     showings of a mesh the first of the largest is taken, so that none of the others moves farther.
     """
     document = mesh.document
+    if document is None:
+        return None
+    from meshmark.io.source import SourceFile
+    from meshmark.scene.showings import faces_once, maps_between, placement_ranks
+
     inner = document.document if isinstance(document, SourceFile) else document
     if not isinstance(inner, _Placed) or len(inner.placements) < 2:
         return None

@@ -13,7 +13,7 @@ from meshmark.coding.keys import Key
 from meshmark.errors import CapacityError
 from meshmark.geometry.surface_of import surface_of, surface_of_moved
 from meshmark.geometry.together import together
-from meshmark.io.save import conform
+from meshmark.io.file_precision import conform
 from meshmark.mesh import Mesh
 
 __all__ = ["Planned", "plans"]

@@ -8,7 +8,7 @@ import numpy as np
 
 from meshmark.authentication.parameters import FAR_AWAY
 from meshmark.errors import InputError
-from meshmark.io.save import conform
+from meshmark.io.file_precision import conform
 from meshmark.mesh import FloatArray, Mesh
 from meshmark.scene.distinct import scene_of
 

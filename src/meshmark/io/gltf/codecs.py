@@ -17,6 +17,8 @@ __all__ = ["CODECS", "decode"]
 
 Arrays = dict[str, NDArray[Any]]
 
+_DRACO = b"DRACO"
+
 
 def decode(stream: bytes, codec: str, **parameters: Any) -> Arrays:
     """Return the arrays of a stream by name. Raises `FormatError` where it is none of its codec."""
@@ -49,10 +51,10 @@ def _draco(stream: bytes, attributes: list[int]) -> Arrays:
         found = {entry["unique_id"]: np.asarray(entry["data"]) for entry in mesh.attributes}
     except MemoryError:
         raise
-    except Exception as error:  # whatever the library makes of a broken stream
-        raise FormatError(
-            f"a Draco stream cannot be decoded ({str(error) or type(error).__name__})"
-        ) from None
+    except Exception:  # the library says "not draco encoded" of whatever it cannot decode
+        if not stream.startswith(_DRACO):
+            raise FormatError("a Draco stream does not start with its header 'DRACO'") from None
+        raise FormatError("a Draco stream is damaged: the Draco library cannot decode it") from None
     missing = [number for number in attributes if number not in found]
     if missing:
         raise FormatError(f"a Draco stream holds no attribute with the id {missing[0]}")

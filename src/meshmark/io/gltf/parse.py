@@ -116,7 +116,7 @@ def parse_gltf(data: bytes, path: Path) -> GltfDocument:
 
 def _parse(read: Container) -> GltfDocument:
     container = unpacked(read)
-    scene = open_scene(container)
+    scene = open_scene(container, compressed=container is not read)
     used = dict.fromkeys(part.accessor for part in scene.parts)
     points = open_points(container.blob, [scene.accessors[index] for index in used])
     placements = tuple(Placement(points.slots[part.accessor], part.affine) for part in scene.parts)

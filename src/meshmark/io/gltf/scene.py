@@ -26,8 +26,10 @@ __all__ = ["Part", "Primitive", "Scene", "open_scene", "primitives_of"]
 
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
 
-# A few bytes of nodes can show a large mesh many times: these bound the memory that a small file may ask for.
-_MOST_ROWS, _MOST_FACES = 30_000_000, 60_000_000
+# A few bytes of nodes or primitives can show a large mesh many times: this bounds the memory that a small file may
+# ask for, as most points and triangles. A compressed file, which can hold a large mesh in a few bytes, is read
+# within 1 GB.
+_MOST, _MOST_COMPRESSED = (30_000_000, 60_000_000), (2_500_000, 5_000_000)
 
 # Exporters that multiply 32-bit matrices leave a last row that is 0 0 0 1 but for rounding.
 _AFFINE_WITHIN = 1e-3
@@ -61,15 +63,22 @@ class Scene:
     primitives: dict[int, tuple[Primitive, ...]]
 
 
-def open_scene(container: Container) -> Scene:
-    """Walk the scenes and gather the surface. Raises `FormatError`, also where there is no triangle."""
+def open_scene(container: Container, *, compressed: bool = False) -> Scene:
+    """Walk the scenes and gather the surface.
+
+    compressed: the container was unpacked from a compressed file, of which less is read. Raises `FormatError` where
+    the scene shows more than is read, or no triangle.
+    """
+    most = _MOST_COMPRESSED if compressed else _MOST
     accessors: dict[int, Accessor] = {}
     primitives: dict[int, tuple[Primitive, ...]] = {}
-    parts, faces, rows, total = [], [np.empty((0, 3), np.int64)], 0, 0
+    parts, faces, rows, total = [], list[IntArray](), 0, 0
     for mesh, affine in _showings(container):
         if not affine.is_usable:
             continue
         if mesh not in primitives:
+            if _triangles(container, mesh) + total > most[1]:
+                raise _too_large(most)
             primitives[mesh] = primitives_of(container, mesh, accessors)
         starts: dict[int, int] = {}
         for item in primitives[mesh]:
@@ -78,14 +87,37 @@ def open_scene(container: Container) -> Scene:
                 parts.append(Part(accessor=item.position, mesh=mesh, affine=affine))
                 rows += accessors[item.position].count
             total += len(item.faces)
-            if rows > _MOST_ROWS or total > _MOST_FACES:
-                raise FormatError(
-                    f"the scene shows more than {_MOST_ROWS:,} points or {_MOST_FACES:,} triangles"
-                )
-            faces.append(item.faces + starts[item.position])
+            if rows > most[0] or total > most[1]:
+                raise _too_large(most)
+            start = starts[item.position]
+            faces.append(item.faces + start if start else item.faces)
     if not total:
         raise FormatError(f"{container.path.name} shows no triangles in any scene")
-    return Scene(parts=tuple(parts), faces=np.concatenate(faces), accessors=accessors, primitives=primitives)
+    whole = faces[0] if len(faces) == 1 else np.concatenate(faces)
+    return Scene(parts=tuple(parts), faces=whole, accessors=accessors, primitives=primitives)
+
+
+def _too_large(most: tuple[int, int]) -> FormatError:
+    read = f"more than {most[0]:,} points or {most[1]:,} triangles"
+    if most == _MOST_COMPRESSED:
+        return FormatError(
+            f"the scene of a compressed file shows {read}: uncompress it with another tool first"
+        )
+    return FormatError(f"the scene shows {read}")
+
+
+def _triangles(container: Container, mesh: int) -> int:
+    """Return how many triangles a mesh has by the counts of its accessors, before any of them is read."""
+    accessors, total = container.tables["accessors"], 0
+    for number, item in enumerate(objects(container.tables["meshes"][mesh], "primitives")):
+        where = f"mesh {mesh}, primitive {number}"
+        index = reference(item, "indices", where, accessors)
+        index = _attributes(container, item, where).get("POSITION") if index is None else index
+        if index is not None:
+            corners = integer(accessors[index], "count", f"accessor {index}")
+            mode = integer(item, "mode", where, _TRIANGLES)
+            total += corners // 3 if mode == _TRIANGLES else corners if mode in (_STRIP, _FAN) else 0
+    return total
 
 
 def primitives_of(container: Container, mesh: int, accessors: dict[int, Accessor]) -> tuple[Primitive, ...]:

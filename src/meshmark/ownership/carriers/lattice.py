@@ -15,13 +15,12 @@ from meshmark.coding.codec import LENGTH
 from meshmark.coding.keyed import cell_words, offset, rotation, unit_interval
 from meshmark.coding.keys import Key
 from meshmark.mesh import FloatArray, IntArray
-from meshmark.ownership import x_experiment as X
 
 __all__ = ["CellKeys", "Lattice"]
 
 # Share of the cells that are pilots, and what a doubled phase counts in the lock beside a pilot's single one.
-PILOTS = X.PILOTS
-DOUBLED = X.DOUBLED
+PILOTS = 0.2
+DOUBLED = 0.35
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,13 +17,14 @@ from meshmark.ownership.carriers.quantisation import (
     bit_phase,
     lock_score,
     log10_lock_chance,
+    log_likelihood_ratio,
 )
-from meshmark.ownership.carriers.relief import Relief
 from meshmark.ownership.carriers.selection import select_cells
-from meshmark.ownership import x_experiment as X
-from meshmark.ownership.demodulator import demodulate
 from meshmark.ownership.observation import Observation
 from meshmark.ownership.parameters import EXTRACT_SELECTION
+
+if TYPE_CHECKING:
+    from meshmark.ownership.carriers.relief import Relief
 
 __all__ = ["Measurement", "Reading", "place", "read_cells"]
 
@@ -106,10 +108,10 @@ class Reading:
         """Return the log-likelihood ratio of each code bit, 0 where no cell carries it."""
         measured = self.measured
         if measured.relief is None:
-            ratio = np.where(measured.keys.pilot, 0.0, np.cos(self.phase))
-        elif X.NET == 0:
-            ratio = np.where(measured.keys.pilot, 0.0, np.cos(self.phase))
+            ratio = np.where(measured.keys.pilot, 0.0, log_likelihood_ratio(self.phase))
         else:
+            from meshmark.ownership.demodulator import demodulate
+
             ratio = demodulate(self.observation(measured.relief))
         return np.bincount(measured.keys.code_index, ratio, LENGTH).astype(np.float64)
 

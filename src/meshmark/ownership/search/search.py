@@ -16,6 +16,8 @@ from meshmark.ownership.search.trials import TrialCounter
 __all__ = ["EFFORTS", "Search"]
 
 EFFORTS = ("plain", "quick", "wide")
+# A mesh with more points is no coarse one: what `restoration.py` undoes is enough there.
+COARSE = 12_000
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -41,6 +43,11 @@ class Search:
     def wide(self) -> bool:
         """Return whether everything is to be tried."""
         return self.effort == "wide"
+
+    @property
+    def is_coarse(self) -> bool:
+        """Return whether the mesh is so coarse that its mark may lie in what restorations filter off."""
+        return len(self.surface.points) <= COARSE
 
     def lattice(self, spacing: float) -> Lattice:
         """Return the key's lattice."""

@@ -5,17 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
+from meshmark.late import late_function
 from meshmark.ownership.parameters import DECODE_LOG10
-from meshmark.ownership.search.as_it_stands import readings_as_it_stands
-from meshmark.ownership.search.copies_once import readings_of_copies
-from meshmark.ownership.search.cropped import cropped_readings
 from meshmark.ownership.search.measurement import Reading
-from meshmark.ownership.search.mirrored import mirrored_readings
-from meshmark.ownership.search.registered import registered_readings
-from meshmark.ownership.search.restored import restored_readings
 from meshmark.ownership.search.search import Search
-from meshmark.ownership.search.stretched import stretched_readings
-from meshmark.ownership.search.unsmoothed import is_coarse, unsmoothed_readings
 
 __all__ = ["STRATEGIES", "Strategy"]
 
@@ -50,28 +43,58 @@ def _undoes_damage(search: Search) -> bool:
 
 
 def _is_coarse(search: Search) -> bool:
-    return _undoes_damage(search) and is_coarse(search.surface)
+    return _undoes_damage(search) and search.is_coarse
 
 
 STRATEGIES: tuple[Strategy, ...] = (
     Strategy(
         name="as it stands",
-        readings=readings_as_it_stands,
+        readings=late_function("meshmark.ownership.search.as_it_stands", "readings_as_it_stands"),
         applies=_always,
         cost=1.0,
         decode_below=DECODE_LOG10,
     ),
     Strategy(
         name="copies of one mesh once",
-        readings=readings_of_copies,
+        readings=late_function("meshmark.ownership.search.copies_once", "readings_of_copies"),
         applies=_always,
         cost=10.0,
         decode_below=DECODE_LOG10,
     ),
-    Strategy(name="registered", readings=registered_readings, applies=_has_reference, cost=60.0),
-    Strategy(name="mirrored", readings=mirrored_readings, applies=_undoes_damage, cost=1.0),
-    Strategy(name="smoothing undone", readings=unsmoothed_readings, applies=_is_coarse, cost=10.0),
-    Strategy(name="restored", readings=restored_readings, applies=_undoes_damage, cost=10.0),
-    Strategy(name="stretched", readings=stretched_readings, applies=_undoes_damage, cost=5.0),
-    Strategy(name="cropped", readings=cropped_readings, applies=_undoes_damage, cost=30.0),
+    Strategy(
+        name="registered",
+        readings=late_function("meshmark.ownership.search.registered", "registered_readings"),
+        applies=_has_reference,
+        cost=60.0,
+    ),
+    Strategy(
+        name="mirrored",
+        readings=late_function("meshmark.ownership.search.mirrored", "mirrored_readings"),
+        applies=_undoes_damage,
+        cost=1.0,
+    ),
+    Strategy(
+        name="smoothing undone",
+        readings=late_function("meshmark.ownership.search.unsmoothed", "unsmoothed_readings"),
+        applies=_is_coarse,
+        cost=10.0,
+    ),
+    Strategy(
+        name="restored",
+        readings=late_function("meshmark.ownership.search.restored", "restored_readings"),
+        applies=_undoes_damage,
+        cost=10.0,
+    ),
+    Strategy(
+        name="stretched",
+        readings=late_function("meshmark.ownership.search.stretched", "stretched_readings"),
+        applies=_undoes_damage,
+        cost=5.0,
+    ),
+    Strategy(
+        name="cropped",
+        readings=late_function("meshmark.ownership.search.cropped", "cropped_readings"),
+        applies=_undoes_damage,
+        cost=30.0,
+    ),
 )

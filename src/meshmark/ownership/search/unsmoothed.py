@@ -39,10 +39,8 @@ from meshmark.ownership.search.restoration import Shape
 from meshmark.ownership.search.search import Search
 from meshmark.ownership.search.shapes import Shapes
 
-__all__ = ["is_coarse", "unsmoothed_readings"]
+__all__ = ["unsmoothed_readings"]
 
-# A mesh with more points is no coarse one: what `restoration.py` undoes is enough there.
-COARSE: Final = 12_000
 # What may have been done: shares of the way to the neighbours' mean, one after another, and how many times that.
 SMOOTHINGS: Final[dict[tuple[float, ...], tuple[int, ...]]] = {
     (0.1,): (1, 2, 3, 5, 10, 15, 20, 30, 50),
@@ -80,14 +78,9 @@ class _Guess:
         return Reading.of(measured, self.step, measured.phase(self.step), hypotheses)
 
 
-def is_coarse(surface: Surface) -> bool:
-    """Return whether a mesh is so coarse that its mark may lie in frequencies which restorations filter off."""
-    return len(surface.points) <= COARSE
-
-
 def unsmoothed_readings(search: Search) -> Iterator[Reading]:
     """Yield each reading whose lock is credible, of all that may have been done; none of a fine mesh."""
-    if not is_coarse(search.surface):
+    if not search.is_coarse:
         return
     shapes, tried = Shapes(search.surface), TRIED * TURNS[search.wide]
     for points in _before(search.surface):
