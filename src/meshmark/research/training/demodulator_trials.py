@@ -42,6 +42,7 @@ __all__ = ["ATTACKED", "LOST", "Marked", "Trial", "mark", "trials"]
 # Attacks that leave the model in place, so that its frame is known.
 ATTACKED: Final = (
     ("float32", 1.0),
+    ("noise", 0.002),
     ("noise", 0.005),
     ("noise", 0.01),
     ("noise", 0.02),
