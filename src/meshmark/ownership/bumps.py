@@ -97,6 +97,7 @@ class Bumps:
     Lengths are in lattice coordinates, changes of frame values in canonical units, of offsets in spacings.
     normals: (p, 3) in lattice axes. basis: (p, m) the smooth functions.
     free:   (n,) True for cells that can be set; the others are tied to their neighbours and left alone.
+    spread: (f,) change of free offsets, in spacings, where each point moves at random by one lattice unit (RMS).
     cost:   (f, f) energy of offset changes of the f free cells, the frame held.
     """
 
@@ -132,6 +133,7 @@ class Bumps:
             inverse = _inverse(gram, rows)
         self.free = np.zeros(len(cells.nodes), dtype=bool)
         self.free[rows[FRAME_ROWS:] - FRAME_ROWS] = True
+        self.spread = np.sqrt(np.asarray(offsets.multiply(offsets).sum(axis=1)).ravel()[self.free])
         self._heights = self._heights[:, np.concatenate([np.full(FRAME_ROWS, True), self.free])]
         self._inverse = inverse
         self._frame_inverse = pinvh(gram[:FRAME_ROWS, :FRAME_ROWS], rtol=RIDGE)

@@ -20,7 +20,8 @@ ROUNDS = 12
 # Weight of the doubled phases, by which the frame is locked, beside the single ones, by which bits are told.
 LOCK_WEIGHT = 0.1
 # Price of a visible change at first, and its range; the limit on the ratio at first, and its range.
-PRICE = (0.5, 1e-3, 1e3)
+ENERGY = 0.05
+GROWTH = (0.6, 1.3)
 LIMIT = (0.8, 0.5, 1.0)
 SEARCH_STEPS = 40
 
@@ -45,10 +46,10 @@ class Task:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Compensation:
-    """Changes (n,) of offsets, and the mean cosine of the phases that they leave: 1 where all go the whole way."""
+    """Changes (n,) of offsets, and the cosines (n,) of the phases that they leave: 1 for a cell that goes the whole way."""
 
     change: FloatArray
-    told: float
+    cosine: FloatArray
 
     @classmethod
     def of(cls, task: Task) -> Compensation:
@@ -58,21 +59,20 @@ class Compensation:
         P = diag(p) raised where x is too visible, and lowered where it might be more so.
         """
         if not len(task.change):
-            return cls(change=task.change, told=1.0)
-        cost = task.cost / np.median(np.diag(task.cost))
-        price = np.full(len(task.change), PRICE[0])
+            return cls(change=task.change, cosine=np.ones(0))
+        cost = ENERGY / np.median(np.diag(task.cost)) * task.cost
+        most = np.full(len(task.change), 0.5 * task.step)
         limit, here = LIMIT[0], 0.7 * task.change
         for _ in range(ROUNDS):
-            here = _most_telling(task, price[:, None] * cost * price, here)
             ratio, share = task.seen(here)
             closer = np.clip((task.share / max(share, 1e-3)) ** 0.15, 0.9, 1.1)
             limit = float(np.clip(limit * closer, *LIMIT[1:]))
-            price = np.clip(price * np.clip(ratio / limit, 0.5, 2.0), *PRICE[1:])
-        told = np.cos(2.0 * np.pi * (task.change - here) / task.step).mean()
-        return cls(change=here, told=float(told))
+            most = np.clip(most * np.clip(limit / np.maximum(ratio, 1e-9), *GROWTH), 1e-3 * task.step, 0.5 * task.step)
+            here = _most_telling(task, cost, most, here)
+        return cls(change=here, cosine=np.cos(2.0 * np.pi * (task.change - here) / task.step))
 
 
-def _most_telling(task: Task, cost: FloatArray, start: FloatArray) -> FloatArray:
+def _most_telling(task: Task, cost: FloatArray, most: FloatArray, start: FloatArray) -> FloatArray:
     from scipy.optimize import minimize
 
     turn = 2.0 * np.pi / task.step
@@ -88,5 +88,12 @@ def _most_telling(task: Task, cost: FloatArray, start: FloatArray) -> FloatArray
             np.asarray(force - slope * turn) / len(x),
         )
 
-    found = minimize(value, start, jac=True, method="L-BFGS-B", options={"maxiter": SEARCH_STEPS})
+    found = minimize(
+        value,
+        np.clip(start, -most, most),
+        jac=True,
+        method="L-BFGS-B",
+        bounds=np.column_stack([-most, most]),
+        options={"maxiter": SEARCH_STEPS},
+    )
     return np.asarray(found.x)

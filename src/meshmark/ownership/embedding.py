@@ -26,11 +26,11 @@ from meshmark.ownership.parameters import (
     CARRIER_ENOUGH,
     CARRIER_MINIMUM,
     HOPELESS_BITS,
-    LEAST_TOLD,
     SPACING_TRIES,
     STEP_TRIES,
     STEPS,
     TYPICAL_LOUDNESS,
+    TYPICAL_NOISE,
     preferred_spacings,
 )
 from meshmark.ownership.search.search import Search
@@ -165,22 +165,29 @@ def _largest_step(task: _Task, shaping: Shaping) -> Owned | None:
 def _largest_affordable(task: _Task, shaping: Shaping) -> int:
     """Return the index of the largest step within the budget that is hardly compensated; their number where none is."""
 
-    def affordable(index: int) -> bool:
+    def worth(index: int) -> float:
         step = float(STEPS[index])
-        return shaping.rms(step) <= BUDGET_SHARE * task.budget and shaping.told(step) >= LEAST_TOLD
+        if shaping.rms(step) > BUDGET_SHARE * task.budget:
+            return -1.0
+        return shaping.told(step, TYPICAL_NOISE * diagonal)
 
+    diagonal = diagonal_of(task.mesh)
     # Loudness is about proportional to the step.
     middle = float(STEPS[len(STEPS) // 2])
     likely = middle * TYPICAL_LOUDNESS / shaping.loudness(middle)
-    index = int(np.argmin(np.abs(np.log(STEPS / likely))))
-    if affordable(index):
-        while index and affordable(index - 1):
-            index -= 1
-        return index
-    index += 1
-    while index < len(STEPS) and not affordable(index):
-        index += 1
-    return index
+    best = int(np.argmin(np.abs(np.log(STEPS / likely))))
+    values = {best: worth(best)}
+    while True:
+        for index in (best - 1, best + 1):
+            if 0 <= index < len(STEPS) and index not in values:
+                values[index] = worth(index)
+        ahead = max(values, key=lambda index: (values[index], index))
+        if ahead == best and values[best] >= 0.0:
+            return best
+        best = ahead if ahead != best else best + 1
+        if best >= len(STEPS):
+            return len(STEPS)
+        values.setdefault(best, worth(best))
 
 
 def _is_likeliest(surface: Surface, spacing: float) -> bool:

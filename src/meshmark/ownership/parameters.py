@@ -28,7 +28,6 @@ __all__ = [
     "HOPELESS_BITS",
     "HOPELESS_ERROR",
     "LARGE_STEPS",
-    "LEAST_TOLD",
     "LOCK_CANDIDATES",
     "LOCK_EXPECTED",
     "LOCK_RADIUS",
@@ -49,6 +48,7 @@ __all__ = [
     "STEP_TRIES",
     "SURELY_SKEW",
     "TYPICAL_LOUDNESS",
+    "TYPICAL_NOISE",
     "TYPICAL_STEP",
     "preferred_spacings",
 ]
@@ -82,9 +82,8 @@ SPACING_TRIES: Final = 3
 # Quantisation steps in spacings. Above the largest, bumps become visible and the solve nonlinear.
 STEPS: Final = 0.24 * 2.0 ** (-np.arange(25) / 4.0)
 
-# Mean cosine of the phases that compensation leaves, at least: a larger step is compensated so far that it tells
-# less.
-LEAST_TOLD: Final = 0.85
+# The step is chosen that tells most under noise of this standard deviation along normals, over the diagonal.
+TYPICAL_NOISE: Final = 0.0012
 # The search for the step begins where the mark without compensation would be seen so much (95th percentile).
 TYPICAL_LOUDNESS: Final = 1.5
 

@@ -92,9 +92,13 @@ class Shaping:
         turned = self._turning @ self._bumps.coefficients(self._frame_change, change)
         return float(np.quantile(self._seen.ratios_of(turned), 0.95))
 
-    def told(self, step: float) -> float:
-        """Return the mean cosine of the phases that a mark of this step leaves: 1 for one without compensation."""
-        return self._plan(step).told
+    def told(self, step: float, noise: float) -> float:
+        """Return the mean cosine of the phases that a mark of this step leaves under noise.
+
+        noise: standard deviation of each point's motion along its normal, scene units.
+        """
+        astray = (2.0 * np.pi / step) * self._bumps.spread * (noise / self._unit)
+        return float(np.mean(self._plan(step).cosine * np.exp(-0.5 * astray**2)))
 
     @property
     def surroundings(self) -> Surroundings:
