@@ -42,7 +42,7 @@ def test_the_sides_of_a_thin_wall_share_no_function():
 
 
 def test_a_coarse_mesh_has_a_function_of_its_own_for_each_point():
-    points, faces = pebble(8)
+    points, faces = pebble(16)
     basis = surface_basis(points, vertex_normals(points, faces), 1e-3)
     np.testing.assert_allclose(basis.toarray() @ np.ones(basis.shape[1]), 1.0)
     assert basis.shape == (len(points), len(points))
