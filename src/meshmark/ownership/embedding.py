@@ -143,8 +143,8 @@ def _largest_step(task: _Task, shaping: Shaping) -> Owned | None:
 
     mesh, surface = task.mesh, task.surface
     likeliest = _is_likeliest(surface, shaping.spacing)
-    first = _largest_affordable(task, shaping)
-    for step in STEPS[first : first + 2 * STEP_TRIES : 2]:
+    first = _toughest(task, shaping)
+    for step in STEPS[first : first + STEP_TRIES]:
         points = shaping.shaped(float(step))
         moved = (points != surface.points).any(axis=1)[surface.point_of_vertex]
         vertices = np.where(moved[:, None], points[surface.point_of_vertex], mesh.vertices)
@@ -162,32 +162,32 @@ def _largest_step(task: _Task, shaping: Shaping) -> Owned | None:
     return None
 
 
-def _largest_affordable(task: _Task, shaping: Shaping) -> int:
-    """Return the index of the largest step within the budget that is hardly compensated; their number where none is."""
-
-    def worth(index: int) -> float:
-        step = float(STEPS[index])
-        if shaping.rms(step) > BUDGET_SHARE * task.budget:
-            return -1.0
-        return shaping.told(step, TYPICAL_NOISE * diagonal)
+def _toughest(task: _Task, shaping: Shaping) -> int:
+    """Return the index of the step within the budget that bears most noise; their number where none does."""
 
     diagonal = diagonal_of(task.mesh)
+
+    def worth(index: int) -> tuple[float, float]:
+        step = float(STEPS[index])
+        if shaping.rms(step) > BUDGET_SHARE * task.budget:
+            return -1.0, 0.0
+        borne = shaping.borne(step) / diagonal
+        return min(borne, TYPICAL_NOISE), shaping.told(step, TYPICAL_NOISE * diagonal)
+
     # Loudness is about proportional to the step.
     middle = float(STEPS[len(STEPS) // 2])
     likely = middle * TYPICAL_LOUDNESS / shaping.loudness(middle)
     best = int(np.argmin(np.abs(np.log(STEPS / likely))))
     values = {best: worth(best)}
-    while True:
+    while best < len(STEPS):
         for index in (best - 1, best + 1):
             if 0 <= index < len(STEPS) and index not in values:
                 values[index] = worth(index)
         ahead = max(values, key=lambda index: (values[index], index))
-        if ahead == best and values[best] >= 0.0:
-            return best
+        if ahead == best and values[best][0] >= 0.0:
+            break
         best = ahead if ahead != best else best + 1
-        if best >= len(STEPS):
-            return len(STEPS)
-        values.setdefault(best, worth(best))
+    return best
 
 
 def _is_likeliest(surface: Surface, spacing: float) -> bool:
