@@ -64,10 +64,10 @@ SPACINGS: Final = 0.5 * 2.0 ** (-np.arange(19) / 4.0)
 # bits.
 CARRIER_GOAL: Final = 300
 # A spacing with this many carriers is taken; else the one with most.
-CARRIER_ENOUGH: Final = 170
+CARRIER_ENOUGH: Final = 230
 # An extraction that reads at least this number takes the spacing for such a one: more, as an attack may have lost
 # or added some.
-CARRIER_PLENTY: Final = 200
+CARRIER_PLENTY: Final = 240
 # With fewer carriers of a 64-bit id no decoder can distinguish it from chance (decision 0004).
 CARRIER_MINIMUM: Final = 110
 # Nor is it tried where the cells that are read yield fewer bits than this by hard decisions (64 are needed): of the
