@@ -8,8 +8,9 @@ this bound lies under a limit; the default, 2^-32, is the strength of a 32-bit c
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from math import log, log10
+from math import log, log2, log10
 from typing import Final
 
 import numpy as np
@@ -23,7 +24,7 @@ from meshmark.coding.polar import Bits, polar_code
 from meshmark.errors import InputError
 from meshmark.mesh import FloatArray
 
-__all__ = ["CHECK_WORD_LIMIT", "Codec", "Decoded", "log10_chance"]
+__all__ = ["CHECK_WORD_LIMIT", "Codec", "Decoded", "DecodedPair", "log10_chance"]
 
 # Chosen by measurement, docs/decisions/0004-code.md.
 LENGTH = 4096
@@ -31,6 +32,8 @@ CHECKS = 16
 PATHS = 64
 CHECK_WORD_LIMIT: Final = -32 * log10(2.0)
 
+# Standard deviations by which an agreement stands out.
+NOTABLE = 3.0
 _NEWTON_STEPS = 20
 _LARGEST_S = 20.0
 _TINY = 1e-12
@@ -52,6 +55,18 @@ class Decoded:
     candidates_tested: int
     bits: Bits = field(repr=False)
     log10_chance: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class DecodedPair:
+    """What an average of two copies decodes to.
+
+    ids: both, in rising order. log10_chances: bounds on the chance that random observations agree this well with any
+    word: of where the two differ, and of what they have in common.
+    """
+
+    ids: tuple[int, int]
+    log10_chances: tuple[float, float]
 
 
 class Codec:
@@ -80,30 +95,77 @@ class Codec:
 
         Raises `InputError` for any other shape, or numbers that are not finite.
         """
-        if np.shape(llr) != (LENGTH,) or not np.isfinite(llr).all():
-            raise InputError(f"the observations have shape {np.shape(llr)}, expected {LENGTH} finite numbers")
-        values = llr * (1.0 - 2.0 * self._mask)
+        _check(llr)
+        word, sum_of_ids, tested, chance = self._likeliest(llr * (1.0 - 2.0 * self._mask))
+        guess = self._permutation.backward(sum_of_ids)
+        return Decoded(
+            id=guess if chance <= log10_limit else None,
+            guess=guess,
+            candidates_tested=tested,
+            bits=word ^ self._mask,
+            log10_chance=chance,
+        )
+
+    def decode_pair(self, llr: FloatArray, differ: FloatArray) -> DecodedPair:
+        """Return the two ids behind observations of an average of two copies.
+
+        The bits where two words differ are a word themselves, as the code is linear; where they do not, the bits
+        are those of either.
+
+        llr: (n,) as `decode` takes it; differ: (n,) log-likelihood ratio log(P(same)/P(different)) of each code bit
+        of the two. On unmarked models the signs of both must be fair coins, those of llr whatever the others are.
+
+        Raises `InputError` as `decode` does.
+        """
+        _check(llr)
+        _check(differ)
+        between, difference, _, chance = self._likeliest(differ)
+        if difference == 0:  # one id, which is no average
+            chance = 0.0
+        _, image, _, second = self._likeliest(np.where(between == 0, llr * (1.0 - 2.0 * self._mask), 0.0))
+        ids = sorted(self._permutation.backward(each) for each in (image, image ^ difference))
+        return DecodedPair(ids=(ids[0], ids[1]), log10_chances=(chance, second))
+
+    def words(self, ids: Sequence[int]) -> Bits:
+        """Return the code bits (m, n) of m ids; raises `InputError` where one has more than 64 bits."""
+        return np.array([self.encode(each) for each in ids], dtype=np.uint8).reshape(len(ids), LENGTH)
+
+    def chances(self, llr: FloatArray, words: Bits) -> FloatArray:
+        """Return log10 of bounds (m,) on the chance that random observations agree as well with any of m words.
+
+        llr: (n,) as `decode` takes it; words: (m, n). Words that agree no better than by half are given 0.
+        Raises `InputError` as `decode` does.
+        """
+        _check(llr)
+        seen = np.flatnonzero(llr)
+        values = llr[seen]
+        agreement = values.sum() - 2.0 * (words[:, seen] @ values)
+        chances = np.zeros(len(words))
+        # The bound takes a Newton search: only words that may be of interest pay for it.
+        for row in np.flatnonzero(agreement > NOTABLE * np.sqrt(values @ values)):
+            chances[row] = log10_chance(values, float(agreement[row]), log2(len(words)))
+        return chances
+
+    def _likeliest(self, values: FloatArray) -> tuple[Bits, int, int, float]:
+        """Return (word, its id bits, words compared, chance) of the best word of the code without mask."""
         ids, words = self._decoder.decode(values, PATHS)
         seen = np.flatnonzero(values)
         agreement = values.sum() - 2.0 * (words[:, seen] @ values[seen])
         best = int(np.argmax(agreement))
-        chance = log10_chance(values, float(agreement[best]))
-        guess = self._permutation.backward(int(ids[best]))
-        passed = guess if chance <= log10_limit else None
-        return Decoded(
-            id=passed,
-            guess=guess,
-            candidates_tested=len(ids),
-            bits=words[best] ^ self._mask,
-            log10_chance=chance,
-        )
+        return words[best], int(ids[best]), len(ids), log10_chance(values, float(agreement[best]))
 
 
-def log10_chance(llr: FloatArray, agreement: float) -> float:
+def _check(llr: FloatArray) -> None:
+    if np.shape(llr) != (LENGTH,) or not np.isfinite(llr).all():
+        raise InputError(f"the observations have shape {np.shape(llr)}, expected {LENGTH} finite numbers")
+
+
+def log10_chance(llr: FloatArray, agreement: float, words_log2: float = ID_BITS) -> float:
     """Bound log10 of the chance that random signs agree with any of the 2^64 words as well as given.
 
     agreement: sum of the LLRs (any shape, any scale), each times the sign that the word predicts.
-    For one word Chernoff's bound, prod cosh(s l_i) / e^(s agreement), which holds for every s; times 2^64.
+    For one word Chernoff's bound, prod cosh(s l_i) / e^(s agreement), which holds for every s; times their number.
+    words_log2: logarithm of the number of words that were compared, all 2^64 by default.
     """
     magnitudes = np.abs(llr[llr != 0.0])
     if not len(magnitudes) or agreement <= 0.0:
@@ -118,4 +180,4 @@ def log10_chance(llr: FloatArray, agreement: float) -> float:
         s = min(s, _LARGEST_S)
     # log cosh x = x + log(1 + e^-2x) - log 2, stable for large x
     exponent = s * (sizes.sum() - target) + np.log1p(np.exp(-2.0 * s * sizes)).sum() - len(sizes) * log(2.0)
-    return min(0.0, float(exponent + ID_BITS * log(2.0)) / log(10.0))
+    return min(0.0, float(exponent + words_log2 * log(2.0)) / log(10.0))

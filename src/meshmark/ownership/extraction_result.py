@@ -32,7 +32,8 @@ class Evidence:
 class Extraction:
     """What was read from a mesh.
 
-    presence: "present", "absent" or "inconclusive"; id: the 64-bit id or None.
+    presence: "present", "absent" or "inconclusive"; id: the 64-bit id, or None where none or several were read; ids:
+    all that were read, several of an average of copies.
     log10_false_positive: bound on the chance of this answer without a mark of this key, over all that was tried.
     mode: "blind", "certificate" or "original". carriers: cells read; carriers_agreeing: those whose bit is the
     decoded one's.
@@ -50,10 +51,12 @@ class Extraction:
     advice: str
     seconds: float
     evidence: tuple[Evidence, ...] = ()
+    ids: tuple[int, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON fields, the id in hexadecimal."""
         values = {entry.name: getattr(self, entry.name) for entry in fields(self)}
         values["id"] = None if self.id is None else format_id(self.id)
+        values["ids"] = [format_id(each) for each in self.ids]
         values["evidence"] = [entry.to_dict() for entry in self.evidence]
         return values

@@ -115,6 +115,15 @@ class Reading:
             ratio = demodulate(self.observation(measured.relief))
         return np.bincount(measured.keys.code_index, ratio, LENGTH).astype(np.float64)
 
+    def doubled(self) -> FloatArray:
+        """Return the cosine of the doubled phase of each code bit, 0 where no cell carries it.
+
+        Of an average of two copies it is positive where the two have the same bit, else negative.
+        """
+        keys = self.measured.keys
+        told = np.where(keys.pilot, 0.0, np.cos(2.0 * self.phase))
+        return np.bincount(keys.code_index, told, LENGTH).astype(np.float64)
+
 
 def read_cells(samples: Samples, lattice: Lattice, pose: Pose) -> Cells:
     """Return the cells that may carry, of canonical samples brought to `pose`."""

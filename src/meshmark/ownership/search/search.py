@@ -28,7 +28,7 @@ class Search:
     "quick" also undoes common damage; "wide" also exchanges axes of nearly equal moments and reads every spacing.
     copies: further surfaces that may carry the mark, where a scene shows meshes several times (used up once).
     spacings: lattice spacings to read, None: all that an embedding may have chosen. reference: the certificate
-    of the mark or the unmarked original. trials: numbers every reading of this search.
+    of the mark or the unmarked original. among: ids of which one may be there. trials: numbers every reading of this search.
     """
 
     surface: Surface
@@ -37,6 +37,7 @@ class Search:
     spacings: tuple[float, ...] | None = None
     reference: Certificate | Mesh | None = None
     copies: Iterable[Surface] = ()
+    among: tuple[int, ...] = ()
     trials: TrialCounter = field(default_factory=TrialCounter)
 
     @property

@@ -42,9 +42,9 @@ class NcdgLv:
                 bits=_to_bits(0), present=False, log10_false_positive=0.0, raw=np.zeros(Codec(key).n)
             )
         observed = found.reading.observed()
-        decoded = found.decoded or Codec(key).decode(observed)
+        guess = Codec(key).decode(observed).guess if found.id is None else found.id
         return Readout(
-            bits=_to_bits(decoded.guess),
+            bits=_to_bits(guess),
             present=found.present,
             log10_false_positive=found.log10_false_positive,
             raw=observed,
