@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterable, Mapping
+from functools import cache
 from pathlib import Path
 
 Graph = Mapping[str, set[str]]
@@ -35,6 +36,7 @@ def imported(source: str, modules: Iterable[str]) -> set[str]:
     return found
 
 
+@cache
 def import_graph(root: Path) -> dict[str, set[str]]:
     """Return, for each module of a package, the modules of it that it imports."""
     paths = {module_name(path, root): path for path in sorted(root.rglob("*.py"))}

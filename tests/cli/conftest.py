@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import gzip
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
@@ -29,6 +29,16 @@ class Ran(NamedTuple):
 
 
 Run = Callable[..., Ran]
+
+
+@pytest.fixture(autouse=True, scope="session")
+def drafts() -> Iterator[None]:
+    """Draw pictures with one sample for each pixel; smooth edges are what tests/report looks at."""
+    from meshmark.report import picture
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(picture, "FINER", 1)
+        yield
 
 
 @pytest.fixture

@@ -79,7 +79,8 @@ def test_embed_stays_within_the_budget_as_an_independent_reading_of_the_files_sa
 
 
 def test_embed_says_in_words_what_it_did_and_another_name_means_another_format(cli, files, tmp_path):
-    ran = cli("embed", files.model, tmp_path / "m.stl", "--key", files.key, "--strength", "strong")
+    arguments = ("--key", files.key, "--strength", "strong", "--layers", "ownership")
+    ran = cli("embed", files.model, tmp_path / "m.stl", *arguments)
     assert ran.code == 0
     assert re.search(r"Marked: .*hare.ply.gz -> .*m.stl; id [0-9a-f]{16}; moved .* %", ran.out)
     assert "verified" in ran.out
@@ -127,8 +128,19 @@ def test_extract_reads_the_id_and_exits_with_0(cli, files):
     assert IDENTITY in cli("extract", files.marked, "--key", files.key).out
 
 
+@pytest.fixture
+def shortened(monkeypatch):
+    """Let a search try one spacing and one size of step of each way, so that a wide one ends soon."""
+    from meshmark.ownership.search import restored, stretched
+
+    spacings = restored.preferred_spacings
+    monkeypatch.setattr(restored, "preferred_spacings", lambda area: spacings(area)[:1])
+    for module in (restored, stretched):
+        monkeypatch.setattr(module, "LOCK_STEPS", module.LOCK_STEPS[:1])
+
+
 @pytest.mark.parametrize("search", ["quick", "wide"])
-def test_extract_from_an_unmarked_model_exits_with_1(cli, files, search):
+def test_extract_from_an_unmarked_model_exits_with_1(cli, files, shortened, search):
     ran = cli("extract", files.model, "--key", files.key, "--search", search, "--json")
     found = only_object(ran.out)
     assert (ran.code, found["presence"], found["id"]) == (1, "absent", None)

@@ -15,7 +15,7 @@ from tests.copies_samples import baked, glb, placed, threemf
 from tests.keys import ID, KEY, OTHER
 from tests.shapes import pebble
 
-SHAPE, LARGE = pebble(48), pebble()
+SHAPE, LARGE = pebble(40), pebble(70)
 COUNT = len(LARGE[0])
 SMALL = pebble(20)
 PLANE = (
@@ -38,7 +38,7 @@ SCENES = {
         [SHAPE, SMALL],
         [(1, placed((i, 4, 0), i)) for i in (0, 4)] + [(0, placed((i, 0, 0), i)) for i in (1, 5)],
     ),
-    "many": ([SHAPE], [(0, placed((3 * (i % 4), 3 * (i // 4), 0), i, 0.8 + 0.02 * i)) for i in range(12)]),
+    "many": ([SHAPE], [(0, placed((3 * (i % 4), 3 * (i // 4), 0), i, 0.8 + 0.02 * i)) for i in range(8)]),
 }
 
 
@@ -188,6 +188,7 @@ def test_copies_too_small_for_the_ground_they_stand_on_carry_the_id_alone(tmp_pa
     wide = (PLANE[0] * [6.0, 6.0, 1.0], PLANE[1])
     glb(tmp_path / "in.glb", [SHAPE, wide], [(1, np.eye(4)), *trees])
     result = embed_file(tmp_path / "in.glb", tmp_path / "out.glb", KEY, id=ID)
+    assert result.layers == "ownership"
     written = read_mesh(tmp_path / "out.glb")
     for mesh in (written, baked(written, tmp_path / "out.obj")):
         assert extract(mesh, KEY, search="plain").id == ID

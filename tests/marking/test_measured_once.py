@@ -65,7 +65,7 @@ def test_an_embedding_of_both_layers_welds_at_most_twice_and_finds_three_frames(
     that a tolerance promises to bear. One of them where rounding joins two points is welded, as
     `test_surface_of` shows; here none is. Framed are the input, the mesh with the id and the output.
     """
-    mesh = Mesh(*pebble(72))
+    mesh = Mesh(*pebble(70))
     with counted() as calls:
         result = embed(mesh, KEY, id=ID)
     assert result.layers == "both"

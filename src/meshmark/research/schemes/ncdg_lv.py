@@ -28,6 +28,8 @@ class NcdgLv:
     source = "NCDG-LV, ownership layer (docs/design.md, section 4)"
     bits = ID_BITS
     blind = True
+    effort = "quick"
+    """Of the search, one of `EFFORTS`."""
 
     def embed(self, mesh: Mesh, bits: Bits, key: Key, *, strength: str = "standard") -> Mesh:
         """See `Scheme.embed`; the mark has been read back when this returns."""
@@ -36,7 +38,8 @@ class NcdgLv:
     @on_one_thread
     def extract(self, mesh: Mesh, key: Key, *, reference: Mesh | Certificate | None = None) -> Readout:
         """See `Scheme.extract`; blind, the reference is not looked at."""
-        found = find(Search(surface=weld(mesh), key=key, reference=None if self.blind else reference))
+        known = None if self.blind else reference
+        found = find(Search(surface=weld(mesh), key=key, effort=self.effort, reference=known))
         if found.reading is None:
             return Readout(
                 bits=_to_bits(0), present=False, log10_false_positive=0.0, raw=np.zeros(Codec(key).n)
