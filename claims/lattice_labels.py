@@ -1,17 +1,17 @@
 """How well a model's lattice label survives attacks: `python -m claims.lattice_labels --samples FILE.npz`.
 
 Invariants of all models of psb/train, and their changes by the attacks of
-`meshmark/research/training/label_trials.py` for models of 2,500 points and more of models/train and, every few,
-psb/train: kept in FILE.npz, and read from there the next time. Prints Markdown for
-docs/decisions/0020-one-lattice-per-model.md: the shipped map, and with `--trade` maps of other sizes, each fitted to
-one half of the models and judged on the other. `--fit OUT.json` writes a map fitted to all of them: that is how
-src/meshmark/ownership/carriers/label_map.json was made.
+`meshmark/research/training/label_trials.py` for models of 2,500 to 40,000 points: all of models/train, every
+third of psb/train. They are kept in FILE.npz, and read from there the next time. Prints Markdown for
+docs/decisions/0020-one-lattice-per-model.md: the shipped map attack by attack, and with `--trade` maps of other
+sizes, each fitted to one half of the models and judged on the other. `--fit OUT.json` writes a map fitted to all
+of them, and prints its figures instead: that is how src/meshmark/ownership/carriers/label_map.json was made.
 """
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -115,7 +115,17 @@ def hits(sample: Sample, label_map: LabelMap, keys: Sequence[Key]) -> FloatArray
         ranks = [found.index(true) if true in found else len(found) for found in lists]
         best, plain = min(ranks), ranks[0]
         rows.append([best < 1, best < 4, best < 16, plain < 1, plain < 4])
-    return np.mean(rows, axis=0)
+    return np.asarray(np.mean(rows, axis=0))
+
+
+def tried(some: Sequence[Sample], label_map: LabelMap, most: int) -> float:
+    """Return how many different labels all restorations of a sample have together, on average."""
+    key = _keys()[0]
+    found = [
+        {label for row in sample.drift.change for label in labels(sample.truth + row, key, most, label_map)}
+        for sample in some
+    ]
+    return float(np.mean([len(each) for each in found]))
 
 
 def groups(some: Sequence[Sample]) -> dict[str, list[int]]:
@@ -137,7 +147,7 @@ def fitted(models: FloatArray, some: Sequence[Sample], components: int, shared_l
 
 
 def cross_judged(
-    models: FloatArray, some: Sequence[Sample], make: Callable[[Sequence[Sample]], LabelMap]
+    models: FloatArray, some: Sequence[Sample], components: int, shared_log2: float
 ) -> tuple[FloatArray, float]:
     """Return the hits of all samples (n, 5), each by the map of the other half of the models; mean collision."""
     names = sorted({sample.model for sample in some})
@@ -145,7 +155,8 @@ def cross_judged(
     keys = _keys()
     result, chances = np.zeros((len(some), len(COLUMNS))), []
     for half in (0, 1):
-        label_map = make([sample for sample in some if side[sample.model] != half])
+        others = [sample for sample in some if side[sample.model] != half]
+        label_map = fitted(models, others, components, shared_log2)
         chances.append(collision(models @ label_map.matrix, np.random.default_rng(1)))
         for number, sample in enumerate(some):
             if side[sample.model] == half:
@@ -159,17 +170,21 @@ def trade_table(models: FloatArray, some: Sequence[Sample]) -> None:
     print(f"| components | shared, log2 | {' | '.join(f'{part}: first / 4 / 16' for part in parts)} |")
     print("|" + "---|" * (2 + len(parts)))
     for components, shared in TRADES:
-        found, chance = cross_judged(
-            models, some, lambda half, c=components, s=shared: fitted(models, half, c, s)
-        )
-        cells = [" / ".join(f"{100 * x:.1f}" for x in found[index].mean(axis=0)[:3]) for index in parts.values()]
+        found, chance = cross_judged(models, some, components, shared)
+        cells = [
+            " / ".join(f"{100 * x:.1f}" for x in found[index].mean(axis=0)[:3]) for index in parts.values()
+        ]
         print(f"| {components} | {np.log2(chance):.1f} | {' | '.join(cells)} |", flush=True)
 
 
 def attack_table(models: FloatArray, some: Sequence[Sample], label_map: LabelMap) -> None:
     """Print the hits of one map, attack by attack."""
     chance = collision(models @ label_map.matrix, np.random.default_rng(1))
-    print(f"\nShared by two models of psb/train: 2^{np.log2(chance):.1f}.\n")
+    print(
+        f"\nShared by two models of psb/train: 2^{np.log2(chance):.1f}. Different labels of all restorations"
+    )
+    counts = ", ".join(f"{most}: {tried(some, label_map, most):.1f}" for most in (1, 4))
+    print(f"together, on average, by the number that each has: {counts}.\n")
     keys = _keys()
     found = np.array([hits(sample, label_map, keys) for sample in some])
     print(f"| attack | family | in reach | {' | '.join(COLUMNS)} |")

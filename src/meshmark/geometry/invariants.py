@@ -30,7 +30,7 @@ INVARIANTS: Final = (
 )
 """Names of the numbers that `shape_invariants` returns; each is a logarithm."""
 
-# A sample of the surface is no longer than this, in the frame's unit (quadrature error of the numbers below 0.003).
+# A sample of the surface is no longer than this, in the frame's unit (quadrature error of the numbers below 0.01).
 LONGEST: Final = 0.1
 # Added before a logarithm is taken: what is smaller than these says nothing, of flat and of symmetric shapes.
 LEAST_SHARE: Final = 1e-3

@@ -1,8 +1,9 @@
 """Which lattice of a key a model has: a label made of its shape, found again from the shape alone.
 
 A fixed linear map takes the invariants of a shape to a few coordinates in which attacks move it little and other
-models lie far away. Bins of width 1, shifted by the key, are what the label is a keyed hash of. An attack may push a
-coordinate over the nearest edge of its bin: the reader tries the likeliest few labels (decision 0020).
+models lie far away. They fall into bins of width 1, shifted by the key; the label is a keyed hash of these. An
+attack may push a coordinate over the nearest edge of its bin: the reader tries the likeliest few labels (decision
+0020).
 """
 
 from __future__ import annotations

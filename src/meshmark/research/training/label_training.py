@@ -2,8 +2,8 @@
 
 The discriminants are the generalised eigenvectors of the covariance of models and that of drifts (Fisher 1936,
 10.1111/j.1469-1809.1936.tb02137.x), both robust. Of each drift the restoration counts that lies nearest to the
-truth, since a reader tries them all. Bins are as many robust standard deviations of the drift wide as the wanted chance
-that two models share a label allows.
+truth, since a reader tries them all. All bins are equally wide against the drift, and as narrow as the wanted
+chance that two models share a label demands.
 """
 
 from __future__ import annotations

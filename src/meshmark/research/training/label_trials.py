@@ -43,7 +43,7 @@ _MOMENTS: Final = slice(0, 3)
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Drift:
-    """Changes (k, 16) of the invariants by an attack, one row for each restoration, the shape as it stands first."""
+    """Changes (k, 16) of the invariants by an attack, a row for each restoration, the shape as it stands first."""
 
     attack: str
     strength: float
