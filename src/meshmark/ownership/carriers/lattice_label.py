@@ -30,7 +30,7 @@ LABEL_BYTES: Final = 16
 KIND: Final = "meshmark label map 1"
 _FILE: Final = "label_map.json"
 _PERSON: Final = b"meshmark label 1"
-# Coordinates are rounded to this share of a bin: sums that differ in their last bits give the same label.
+# Coordinates are rounded to this share of a bin: sums that differ in their last bits give the same prices.
 ROUNDING: Final = 2.0**-24
 
 
