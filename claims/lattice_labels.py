@@ -31,7 +31,8 @@ from meshmark.research.training.label_trials import MODERATE, Drift, drifts
 
 LEAST, MOST = 2_500, 40_000
 EVERY = 3  # of the models of psb/train that are large enough
-COMPONENTS, SHARED_LOG2 = 6, -12.0
+# Six digits are kept of the map; the chance that models share a label is a little below 2^-12.
+COMPONENTS, SHARED_LOG2, DIGITS = 6, -12.2, 6
 TRADES = ((4, -12.0), (5, -12.0), (6, -12.0), (7, -12.0), (8, -12.0), (6, -10.0), (6, -13.0), (6, -14.0))
 # Drifts of a frame that no lattice lock bridges: the mark is lost whatever its label.
 REACH: Final = 0.1
@@ -143,7 +144,15 @@ def groups(some: Sequence[Sample]) -> dict[str, list[int]]:
 def fitted(models: FloatArray, some: Sequence[Sample], components: int, shared_log2: float) -> LabelMap:
     """Return the map fitted to the samples that are not lost."""
     changes = [sample.drift.change for sample in some if sample.drift.frame_change <= REACH]
-    return fit_label_map(models, changes, components, 2.0**shared_log2)
+    exact = fit_label_map(models, changes, components, 2.0**shared_log2).matrix
+    return LabelMap(np.array([[float(f"{x:.{DIGITS}g}") for x in row] for row in exact]))
+
+
+def bin_width(some: Sequence[Sample], label_map: LabelMap) -> float:
+    """Return how wide bins are against the drift that two thirds of the samples in reach stay below."""
+    places = [sample.drift.change @ label_map.matrix for sample in some if sample.drift.frame_change <= REACH]
+    nearest = [rows[np.argmin((rows**2).sum(axis=1))] for rows in places]
+    return float(1.0 / np.median(np.quantile(np.abs(nearest), 0.68, axis=0)))
 
 
 def cross_judged(
@@ -167,14 +176,15 @@ def cross_judged(
 def trade_table(models: FloatArray, some: Sequence[Sample]) -> None:
     """Print the hits of maps of several sizes."""
     parts = groups(some)
-    print(f"| components | shared, log2 | {' | '.join(f'{part}: first / 4 / 16' for part in parts)} |")
-    print("|" + "---|" * (2 + len(parts)))
+    print(f"| components | bin | shared | {' | '.join(f'{part}: first / 4 / 16' for part in parts)} |")
+    print("|" + "---|" * (3 + len(parts)))
     for components, shared in TRADES:
         found, chance = cross_judged(models, some, components, shared)
         cells = [
             " / ".join(f"{100 * x:.1f}" for x in found[index].mean(axis=0)[:3]) for index in parts.values()
         ]
-        print(f"| {components} | {np.log2(chance):.1f} | {' | '.join(cells)} |", flush=True)
+        wide = bin_width(some, fitted(models, some, components, shared))
+        print(f"| {components} | {wide:.0f} | 2^{np.log2(chance):.1f} | {' | '.join(cells)} |", flush=True)
 
 
 def attack_table(models: FloatArray, some: Sequence[Sample], label_map: LabelMap) -> None:
