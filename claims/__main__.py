@@ -27,6 +27,7 @@ COMMANDS = {
     "false_positives": "docs/results/false-positives.md",
     "gltf_validity": "docs/claims.md",
     "hostile": "docs/decisions/0016-odd-files.md",
+    "lattice_labels": "docs/decisions/0020-one-lattice-per-model.md",
     "marks": "docs/decisions/0008-authentication-marks.md",
     "metrics_validation": "docs/decisions/0005-metrics.md",
     "princeton": "docs/results/field-files.md",
@@ -41,8 +42,8 @@ COMMANDS = {
     "start_up": "docs/decisions/0015-by-hand-or-library.md",
 }
 ALONE = {
-    "authenticate_speed", "by_hand", "compressed_gltf", "costa", "false_alarms", "hostile", "princeton",
-    "published", "registration", "rivals_sanity", "same_behaviour",
+    "authenticate_speed", "by_hand", "compressed_gltf", "costa", "false_alarms", "hostile", "lattice_labels",
+    "princeton", "published", "registration", "rivals_sanity", "same_behaviour",
 }  # fmt: skip
 
 

@@ -15,6 +15,7 @@ from meshmark.coding.codec import LENGTH
 from meshmark.coding.keyed import cell_words, offset, rotation, unit_interval
 from meshmark.coding.keys import Key
 from meshmark.mesh import FloatArray, IntArray
+from meshmark.ownership.carriers.lattice_label import Label
 
 __all__ = ["CellKeys", "Lattice"]
 
@@ -61,12 +62,17 @@ class Lattice:
     _cells: bytes
 
     @classmethod
-    def keyed(cls, key: Key, spacing: float) -> Lattice:
-        """The lattice of this spacing under `key`; each spacing has cells of its own."""
-        purpose = f"lattice {spacing:.6f}"
+    def keyed(cls, key: Key, spacing: float, label: Label | None = None) -> Lattice:
+        """The lattice of this spacing and label under `key`.
+
+        Each spacing has a shift and cells of its own, each label a turn as well: lattices of two labels have
+        nothing in common. Without a label it is the one that all models of the key share.
+        """
+        labelled = "" if label is None else f" of {label}"
+        purpose = f"lattice {spacing:.6f}{labelled}"
         return cls(
             spacing=spacing,
-            axes=rotation(key.subkey("lattice turn")),
+            axes=rotation(key.subkey("lattice turn" + labelled)),
             shift=offset(key.subkey(purpose)),
             _cells=key.subkey(purpose + " cells"),
         )

@@ -1,0 +1,94 @@
+"""Numbers that a shape keeps when it is turned, scaled, moved, mirrored, meshed anew or slightly damaged.
+
+All are averages over the surface, in the canonical frame's unit (root mean square distance from the centroid), and
+none depends on the direction of an axis. Notation: x is a place of the surface, r = |x|, z = x / sqrt(1 + r^2) the
+same place drawn into the unit ball, so that far protrusions count little; E is the mean by area.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from meshmark.geometry.frame import Frame, canonical_frame
+from meshmark.geometry.sampling import plan_samples
+from meshmark.mesh import FloatArray, IntArray
+
+__all__ = ["INVARIANTS", "shape_invariants"]
+
+INVARIANTS: Final = (
+    *(f"moment {i}" for i in (1, 2, 3)),
+    "area",
+    "mean r",
+    "mean r^4",
+    "mean z",
+    "mean z |z|^2",
+    "mean z z z",
+    *(f"covariance of z z, share {i}" for i in (1, 2, 3, 4, 5, 6)),
+    "covariance of z z, trace",
+)
+"""Names of the numbers that `shape_invariants` returns; each is a logarithm."""
+
+# A sample of the surface is no longer than this, in the frame's unit (quadrature error of the numbers below 0.01).
+LONGEST: Final = 0.1
+# Added before a logarithm is taken: what is smaller than these says nothing, of flat and of symmetric shapes.
+LEAST_SHARE: Final = 1e-3
+LEAST_SKEW: Final = 0.03
+TINY: Final = 1e-6
+
+
+def shape_invariants(points: FloatArray, faces: IntArray, frame: Frame | None = None) -> FloatArray:
+    """Return the numbers named in `INVARIANTS` of a surface.
+
+    Parameters
+    ----------
+    points : (p, 3) float array
+        Positions in any unit.
+    faces : (m, 3) int array
+        Triangles; their orientation does not matter.
+    frame : Frame, optional
+        The canonical frame of the surface, where it is known already.
+
+    Returns
+    -------
+    (16,) float array
+        Natural logarithms: of the second moments' shares, of the area in squared units of the frame's scale, of the
+        means of r and r^4, of the lengths of the third-order averages (with `LEAST_SKEW` added), and of the
+        eigenvalues of the covariance of the six products of two coordinates of z.
+
+    Raises
+    ------
+    InputError
+        There is no surface.
+    """
+    frame = canonical_frame(points, faces) if frame is None else frame
+    canonical = frame.to_canonical(points)
+    samples = plan_samples(canonical, faces, LONGEST)(canonical)
+    weight = samples.areas / samples.areas.sum()
+    x = np.ascontiguousarray(samples.positions.T)
+    square = x[0] * x[0] + x[1] * x[1] + x[2] * x[2]
+    z = x / np.sqrt(1.0 + square)
+    products = _products(z)
+    mean = products @ weight
+    covariance = (products * weight) @ products.T - np.outer(mean, mean)
+    shares = np.maximum(np.linalg.eigvalsh(covariance)[::-1], 0.0)
+    trace = float(shares.sum())
+    cubes = products @ (z * weight).T  # (6, 3): the mean of z z z, its entries off the diagonal times sqrt 2
+    skew = [z @ weight, cubes[:3].sum(axis=0), cubes]
+    return np.concatenate(
+        [
+            np.log(frame.moments + LEAST_SHARE),
+            np.log([frame.area, float(np.sqrt(square) @ weight), float(square**2 @ weight)]),
+            np.log([float(np.sqrt((part**2).sum())) + LEAST_SKEW for part in skew]),
+            np.log(shares / max(trace, TINY) + LEAST_SHARE),
+            np.log([trace + TINY]),
+        ]
+    )
+
+
+def _products(z: FloatArray) -> FloatArray:
+    """Return (6, q): products of two coordinates of z (3, q), a rotation of z being a rotation of them (Mandel)."""
+    a, b, c = z
+    off = np.sqrt(2.0)
+    return np.stack([a * a, b * b, c * c, off * a * b, off * a * c, off * b * c])
