@@ -100,7 +100,8 @@ class VisibleChange:
         around = self._faces[(number[self._faces] >= 0).any(axis=1)]
         corners = [self._points.take(around[:, i], axis=0) for i in range(3)]
         size = np.linalg.norm(
-            sum_at_points(area_vectors(self._points, around), around, len(self._points))[self._members], axis=1
+            sum_at_points(area_vectors(self._points, around), around, len(self._points))[self._members],
+            axis=1,
         )
         rows, columns, values = [], [], []
         for mover in range(3):
@@ -165,7 +166,7 @@ def _patches(points: FloatArray, normals: FloatArray, used: IntArray, centres: I
 
 
 def _detail(places: FloatArray, normals: FloatArray, weight: FloatArray, rows: IntArray) -> FloatArray:
-    """Return (k,) the RMS angle, degrees, of normals (n, 3) from their best linear fit over places in each patch."""
+    """Return (k,): RMS angle, degrees, of normals (n, 3) from their best linear fit over places in each patch."""
     design = np.column_stack([np.ones(len(places)), places])
     pairs = design[:, :, None] * np.hstack([design, normals])[:, None, :] * weight[:, None, None]
     sums = np.zeros((PATCHES, 4, 7))

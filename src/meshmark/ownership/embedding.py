@@ -104,7 +104,11 @@ def embed(
     diagonal = diagonal_of(mesh)
     surface = surface_of(mesh)
     task = _Task(
-        mesh=mesh, surface=surface, key=key, identity=identity, budget=sqrt(budget**2 - reserve**2) * diagonal,
+        mesh=mesh,
+        surface=surface,
+        key=key,
+        identity=identity,
+        budget=sqrt(budget**2 - reserve**2) * diagonal,
         share=VISIBLE_SHARES[strength],
     )
     nearest: tuple[tuple[bool, int], str] | None = None
@@ -114,7 +118,7 @@ def embed(
         if nearest is None or (tried, carriers) > nearest[0]:
             reason = why_not(shaping.surroundings, carriers, shaping.capacity, strength, tried)
             nearest = (tried, carriers), reason
-        if tried and (found := _largest_step(task, shaping)) is not None:
+        if tried and (found := _read_back(task, shaping)) is not None:
             return found
     raise CapacityError(
         nearest[1] if nearest is not None else "the model has no surface that could carry 64 bits"
@@ -138,12 +142,11 @@ def _shapings(task: _Task, bits: Bits) -> Iterator[Shaping]:
     yield from sorted(scarce, key=lambda shaping: -shaping.capacity)
 
 
-def _largest_step(task: _Task, shaping: Shaping) -> Owned | None:
-    """Return the mark of largest step, within the budget and hardly compensated, that is read back, or None."""
-
+def _read_back(task: _Task, shaping: Shaping) -> Owned | None:
+    """Return the first mark that is read back, from the step that tells most down, or None."""
     mesh, surface = task.mesh, task.surface
     likeliest = _is_likeliest(surface, shaping.spacing)
-    first = _largest_affordable(task, shaping)
+    first = _most_telling_step(task, shaping)
     for step in STEPS[first : first + 2 * STEP_TRIES : 2]:
         points = shaping.shaped(float(step))
         moved = (points != surface.points).any(axis=1)[surface.point_of_vertex]
@@ -162,8 +165,8 @@ def _largest_step(task: _Task, shaping: Shaping) -> Owned | None:
     return None
 
 
-def _largest_affordable(task: _Task, shaping: Shaping) -> int:
-    """Return the index of the largest step within the budget that is hardly compensated; their number where none is."""
+def _most_telling_step(task: _Task, shaping: Shaping) -> int:
+    """Return the index of the step within the budget that tells most under noise; their number where none is."""
 
     def worth(index: int) -> float:
         step = float(STEPS[index])

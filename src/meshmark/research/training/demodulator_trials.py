@@ -191,7 +191,7 @@ class _Shape:
             after = self._read(marked, self._points() + HALF * way)
             row = find_nodes(after.nodes, cells.nodes)
             change = np.zeros(len(row))
-            change[row >= 0] = (after.offset[row[row >= 0]] - cells.offset[row >= 0])
+            change[row >= 0] = after.offset[row[row >= 0]] - cells.offset[row >= 0]
             columns.append(change[:, None] / HALF)
         return np.asarray(2.0 * np.pi / marked.step * np.hstack(columns))
 
