@@ -83,8 +83,7 @@ class VisibleChange:
         mass, stiff: of the surface, as in `diffused`.
         """
         seen = np.zeros((len(self._points), 2))
-        seen[self._members, 0] = self._mean.T @ self.noticed
-        seen[self._members, 1] = self._mean.T @ np.ones(PATCHES)
+        seen[self._members] = self._mean.T @ np.column_stack([self.noticed, np.ones(PATCHES)])
         spread = diffused(seen / mass[:, None], mass, stiff, width)
         known = spread[:, 1] > 1e-6 * spread[:, 1].mean()
         average = spread[:, 0] / np.where(known, spread[:, 1], 1.0)

@@ -12,6 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from meshmark.mesh import FloatArray
 
@@ -40,7 +41,7 @@ class Task:
     change: FloatArray
     step: float
     cost: FloatArray
-    locks: FloatArray
+    locks: NDArray[np.bool_]
     seen: Callable[[FloatArray], tuple[FloatArray, float]]
     share: float
 
@@ -76,7 +77,7 @@ class Compensation:
 
 
 def _most_telling(task: Task, cost: FloatArray, most: FloatArray, start: FloatArray) -> FloatArray:
-    from scipy.optimize import minimize
+    from scipy.optimize import Bounds, minimize
 
     turn = 2.0 * np.pi / task.step
     weight = np.where(task.locks, LOCK_WEIGHT, 0.0)
@@ -96,7 +97,7 @@ def _most_telling(task: Task, cost: FloatArray, most: FloatArray, start: FloatAr
         np.clip(start, -most, most),
         jac=True,
         method="L-BFGS-B",
-        bounds=np.column_stack([-most, most]),
+        bounds=Bounds(-most, most),
         options={"maxiter": SEARCH_STEPS},
     )
     return np.asarray(found.x)

@@ -86,7 +86,7 @@ class Marked:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Trial:
-    """One reading (see `Reading`) after an attack, and the truth: targets (n,) +1 for bit 0, -1 for bit 1."""
+    """One reading after an attack, and the truth: targets (n,) +1 for bit 0, -1 for bit 1, 0 for pilots."""
 
     attack: str
     strength: float
@@ -216,6 +216,7 @@ def _trial(marked: Marked, shape: _Shape, name: str, strength: float) -> Trial |
         relief=shape.relief(marked, cells),
     )
     targets = np.where(seen.keys.pilot, 0.0, 1.0 - 2.0 * marked.bits[seen.keys.code_index])
-    if np.mean(np.cos(corrected_phase(seen)) * targets < 0.0) > LOST:
+    told = targets != 0.0
+    if np.mean(np.cos(corrected_phase(seen)[told]) * targets[told] < 0.0) > LOST:
         return None
     return Trial(attack=name, strength=strength, seen=seen, targets=targets)
