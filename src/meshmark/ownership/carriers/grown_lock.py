@@ -66,7 +66,7 @@ def grown(
     response = gradient * expected
     cluster = order[:FIRST]
     search = LockSearch(psi[cluster], gradient[cluster], expected, RADIUS, most, weight=weight[cluster])
-    least = STANDS_OUT * np.sqrt(len(cluster) / 2.0)
+    least = STANDS_OUT * np.sqrt(weight[cluster] @ weight[cluster] / 2.0)
     rough = [lock for lock in search.rough(KEPT) if lock.score > ON_GRID * least]
     locks = [lock for lock in search.polished(rough) if lock.score > least]
     if not locks:
