@@ -36,6 +36,7 @@ __all__ = [
     "LONGEST_SAMPLE",
     "LOST_ERROR",
     "MOMENT_GAP",
+    "NEEDED_BITS",
     "ORIGINAL_SPACINGS",
     "PRESENT_LOG10",
     "PROVEN_LOG10",
@@ -80,14 +81,17 @@ SPACING_ORDER: Final = (0, 1, 2, 3, -1, 4, 5, -2)
 SPACING_TRIES: Final = 3
 
 # Quantisation steps in spacings. Above the largest, bumps become visible and the solve nonlinear.
-STEPS: Final = 0.24 * 2.0 ** (-np.arange(25) / 4.0)
+STEPS: Final = 0.24 * 2.0 ** (-np.arange(13) / 2.0)
 
-# The step is chosen that tells most under noise of this standard deviation along normals, over the diagonal.
+# The step is chosen that bears most noise, or, of those that bear this standard deviation along normals, over the
+# diagonal, the one that tells most under it.
 TYPICAL_NOISE: Final = 0.0012
+# Bits that the cells must yield by their cosines, n a^2 / ln 2 with a their mean, so that an id is read.
+NEEDED_BITS: Final = 100.0
 # The search for the step begins where the mark without compensation would be seen so much (95th percentile).
 TYPICAL_LOUDNESS: Final = 1.5
 
-# Number of steps that are tried from the largest affordable one down, every second of the grid.
+# Number of steps that an embedding tries, from the one that tells most down.
 STEP_TRIES: Final = 3
 
 # A sample of the surface is no longer than this share of a spacing (quadrature error below 0.003 spacings).
@@ -123,7 +127,7 @@ LOST_ERROR: Final = 0.25
 LOCK_EXPECTED: Final = np.array([0.005] * 4 + [0.006] * 3)
 LOCK_RADIUS: Final = 3.0
 # Steps that a search tries: those that embeddings of any strength use.
-LOCK_STEPS: Final = tuple(float(step) for step in STEPS[:16])
+LOCK_STEPS: Final = tuple(float(step) for step in STEPS[:8])
 # A step such as standard marks have: clusters of cells are chosen by it.
 TYPICAL_STEP: Final = 0.1
 # Number of corrections of a reading that are decoded.
@@ -140,7 +144,7 @@ CROP_FRAMES: Final = {"quick": (60, 20), "wide": (160, 60)}
 CROP_CARRIERS: Final = 130
 CROP_SPACINGS: Final = 2
 # Number of steps that are tried, largest first: those of standard and strong marks.
-LARGE_STEPS: Final = 9
+LARGE_STEPS: Final = 5
 # Number of spacings that are read in each frame that an original gives.
 ORIGINAL_SPACINGS: Final = 3
 # Number of turns of a frame that a quick search goes through.

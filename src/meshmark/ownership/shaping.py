@@ -34,6 +34,7 @@ from meshmark.ownership.parameters import (
     LONGEST_SAMPLE,
     LOST_ERROR,
     MOMENT_GAP,
+    NEEDED_BITS,
     SOLVE_PASSES,
     SOLVE_TOLERANCE,
 )
@@ -45,6 +46,7 @@ __all__ = ["Shaping"]
 SOLVE_EXCESS = 1.05
 # A cell is judged by the patches around it, a Gaussian of this width in spacings.
 PATCH_WIDTH = 0.5
+HALVINGS = 12
 
 
 class Shaping:
@@ -99,6 +101,17 @@ class Shaping:
         """
         astray = (2.0 * np.pi / step) * self._bumps.spread * (noise / self._unit)
         return float(np.mean(self._plan(step).cosine * np.exp(-0.5 * astray**2)))
+
+    def borne(self, step: float) -> float:
+        """Return the noise, in the same unit, under which a mark of this step can just be read; 0 where none."""
+        needed = np.sqrt(NEEDED_BITS * np.log(2.0) / max(self.carriers, 1))
+        low, high = 0.0, 2.0 * step * self._unit / float(np.median(self._bumps.spread))
+        if self.told(step, 0.0) < needed:
+            return 0.0
+        for _ in range(HALVINGS):
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if self.told(step, middle) >= needed else (low, middle)
+        return low
 
     @property
     def surroundings(self) -> Surroundings:
