@@ -1,4 +1,4 @@
-"""What the network sees of each carrier: its own doubled phase, its neighbours', and how rough its patch is.
+"""What the network sees of each carrier: its doubled phase, pilots and neighbours, and how rough its patch is.
 
 No feature changes when the phase of a cell that carries a bit is turned by pi, so none knows the bits; see
 `demodulator`.
