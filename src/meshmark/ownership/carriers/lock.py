@@ -55,7 +55,7 @@ class LockSearch:
     """The search for corrections of one set of phases.
 
     psi: (n,) phases that do not depend on bits, radians; gradient: (n, d) their change per unit of each part of the
-    correction; expected: (d,) standard deviation of each part; radius: of the ball searched, in standard deviations.
+    correction; expected: (d,) standard deviation of each part; radius: of the ball searched, in these.
     most: grid points at most; where there were more, the ball shrinks. weight: (n,) what each phase counts, squares
     of mean 1.
     """
