@@ -154,12 +154,12 @@ def _better(one: Reading | None, other: Reading) -> Reading:
 def _decoded(codec: Codec, reading: Reading) -> Found | None:
     """Decode a reading, and, where its lock is credible, its complement.
 
-    A round shape half a step too large or too small locks as well, with every bit turned round. Where the lock
-    alone proves the mark, less evidence is asked of the code.
+    A round shape half a step too large or too small locks as well, with every bit turned round. Where the lock is
+    credible, less evidence is asked of the word alone: the bound of both together is asked for in any case.
     """
     observed = reading.observed()
-    limit = PROVEN_LOG10 if _lock_bound(reading) <= PRESENT_LOG10 else CHECK_WORD_LIMIT
     credible = reading.log10_chance + log10(reading.hypotheses) < CREDIBLE_LOG10
+    limit = PROVEN_LOG10 if credible else CHECK_WORD_LIMIT
     for signed in (observed, -observed) if credible else (observed,):
         decoded = codec.decode(signed, limit)
         chance = reading.log10_chance + decoded.log10_chance + (log10(2.0) if credible else 0.0)

@@ -154,8 +154,8 @@ SURELY_SKEW: Final = 0.03
 
 # "present" needs a false-positive bound below 10^this over everything that was tried.
 PRESENT_LOG10: Final = -6.0
-# Where the lock alone is that unlikely, an id is named if its word agrees so well by chance only (decision 0004): a
-# tenth of the bound above, as several readings of one mark are decoded.
+# Where the lock is credible, an id is named if its word agrees so well by chance only (decision 0004): a tenth of
+# the bound above, as several readings of one mark are decoded.
 PROVEN_LOG10: Final = -7.0
 
 

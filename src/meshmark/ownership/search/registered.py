@@ -31,7 +31,7 @@ def registered_readings(search: Search) -> Iterator[Reading]:
         near = preferred_spacings(frame.area)[:ORIGINAL_SPACINGS] if known is None else known
         shapes = Shapes(search.surface, frame)
         held += [(frame, shapes, search.lattice(spacing)) for spacing in near]
-    for restoration in restorations(search.surface) if held else ():
+    for restoration in restorations(search.surface, frame_known=True) if held else ():
         for frame, shapes, lattice in held:
             hypothesis = Hypothesis(restoration=restoration, lattice=lattice, turned=frame)
             yield from locked_readings(shapes, hypothesis, steps, search.trials.charge())

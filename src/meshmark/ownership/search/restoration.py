@@ -43,9 +43,13 @@ STRAINS: Final = (
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """Positions (p, 3) of a suspect's points as they may have been; equal to itself only."""
+    """Positions (p, 3) of a suspect's points as they may have been; equal to itself only.
+
+    framed_by: the shape whose canonical frame it lies in; None: its own.
+    """
 
     points: FloatArray
+    framed_by: Shape | None = None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -76,15 +80,22 @@ def stretched(points: FloatArray) -> Restoration:
     )
 
 
-def restorations(surface: Surface) -> Iterator[Restoration]:
-    """Yield what may have been before noise or smoothing, likeliest first."""
+def restorations(surface: Surface, frame_known: bool = False) -> Iterator[Restoration]:
+    """Yield what may have been before noise or smoothing, likeliest first.
+
+    frame_known: the shapes are read in a given frame, whatever their own is.
+    """
     yield Restoration(shapes=(Shape(surface.points),))
     walk = random_walk(surface.points, surface.edges)
     filters = [_low_pass(t) for t in LOW_PASS] + [_undone(t) for t in UNDONE[1:]]
     centre = surface.points.mean(axis=0)
     filtered = centre + spectral_filters(walk, surface.points - centre, filters)
     smooth, smoother, *undone = map(Shape, filtered)
-    yield Restoration(shapes=(smooth,))
+    # Noise makes areas uneven, and by that moves the frame by more than a lock reaches; of the smoothest shape it
+    # moves it least.
+    if not frame_known:
+        yield Restoration(shapes=(Shape(surface.points, smoother),))
+    yield Restoration(shapes=(Shape(smooth.points, smoother),))
     for before, after in pairwise((smooth, *undone)):
         yield Restoration(shapes=(before, after), middle=(0.5,), expected=(0.3,))
     yield Restoration(shapes=(smoother,))

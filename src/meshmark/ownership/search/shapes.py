@@ -61,6 +61,8 @@ class Shapes:
         """Return the frame of a shape."""
         if self._fixed is not None:
             return self._fixed
+        if shape.framed_by is not None:
+            return self.frame(shape.framed_by)
         if shape not in self._frames:
             self._frames[shape] = canonical_frame(shape.points, self._faces)
         return self._frames[shape]
@@ -119,7 +121,7 @@ class Shapes:
         """Measure a hypothesis anew where a correction, of a pose and then of shares, puts it."""
         restoration, lattice = hypothesis.restoration, hypothesis.lattice
         shares = np.array(restoration.middle) + correction[POSE_SIZE:]
-        shape = Shape(restoration.between(shares))
+        shape = Shape(restoration.between(shares), restoration.shapes[0].framed_by)
         pose = self._pose(shape, hypothesis.turned).then(correction[:POSE_SIZE])
         cells = read_cells(self.samples(shape, lattice.spacing), lattice, pose)
         placed = self._placed(shape, shape.points, pose)
