@@ -126,7 +126,9 @@ def trials(
     for name, strength in attacks:
         surface = weld(find_attack(name)(marked.mesh, strength, rng))
         off = POSE_OFF * POSE_EXPECTED * rng.normal(size=POSE_SIZE)
-        starts = [_Shape(surface, restoration, off) for restoration in restorations(surface, frame_known=True)]
+        starts = [
+            _Shape(surface, restoration, off) for restoration in restorations(surface, frame_known=True)
+        ]
         scores = [start.score(marked) for start in starts]
         for index in sorted({0, int(np.argmax(scores))}):
             trial = _trial(marked, starts[index], name, strength)
