@@ -30,6 +30,7 @@ __all__ = [
     "LARGE_STEPS",
     "LOCK_CANDIDATES",
     "LOCK_EXPECTED",
+    "LOCK_PEAKS",
     "LOCK_RADIUS",
     "LOCK_STEPS",
     "LOCK_TURNS",
@@ -63,10 +64,10 @@ SPACINGS: Final = 0.5 * 2.0 ** (-np.arange(19) / 4.0)
 # bits.
 CARRIER_GOAL: Final = 300
 # A spacing with this many carriers is taken; else the one with most.
-CARRIER_ENOUGH: Final = 170
+CARRIER_ENOUGH: Final = 230
 # An extraction that reads at least this number takes the spacing for such a one: more, as an attack may have lost
 # or added some.
-CARRIER_PLENTY: Final = 200
+CARRIER_PLENTY: Final = 240
 # With fewer carriers of a 64-bit id no decoder can distinguish it from chance (decision 0004).
 CARRIER_MINIMUM: Final = 110
 # Nor is it tried where the cells that are read yield fewer bits than this by hard decisions (64 are needed): of the
@@ -130,8 +131,10 @@ LOCK_RADIUS: Final = 3.0
 LOCK_STEPS: Final = tuple(float(step) for step in STEPS[:8])
 # A step such as standard marks have: clusters of cells are chosen by it.
 TYPICAL_STEP: Final = 0.1
-# Number of corrections of a reading that are decoded.
-LOCK_CANDIDATES: Final = 2
+# Number of peaks of the lock that are polished for each step, and number of corrections of a reading that are
+# decoded.
+LOCK_PEAKS: Final = 6
+LOCK_CANDIDATES: Final = 8
 # A lock less likely than 10^this by chance, over its own search, is worth measuring anew where it puts the model.
 CREDIBLE_LOG10: Final = -0.5
 # Frames that a cropped model may have had, so far apart (RMS motion over scale); the standard deviation of what is

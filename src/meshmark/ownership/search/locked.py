@@ -20,6 +20,7 @@ from meshmark.ownership.parameters import (
     CREDIBLE_LOG10,
     LOCK_CANDIDATES,
     LOCK_EXPECTED,
+    LOCK_PEAKS,
     LOCK_RADIUS,
     TYPICAL_STEP,
 )
@@ -28,6 +29,8 @@ from meshmark.ownership.search.shapes import Hypothesis, Response, Shapes
 
 __all__ = ["grown_locks", "grown_readings", "locked_readings", "relocked"]
 
+# Peaks of one step whose scores differ by less than this share are the same.
+SAME_PEAK = 1e-3
 # Clusters of cells that a stretch is looked for from.
 CLUSTERS = 3
 # Corrections tried in each: twelve directions need more than seven.
@@ -45,11 +48,10 @@ def locked_readings(
     if len(response) < CARRIER_READABLE:
         return
     expected = np.concatenate([LOCK_EXPECTED, hypothesis.restoration.expected])
-    rough = []
+    found = []
     tried = 0.0
     for step in steps:
         measured = response.measured
-        phase = measured.phase(step)
         search = LockSearch(
             measured.psi(step),
             measured.turn(response.gradient, step),
@@ -58,16 +60,23 @@ def locked_readings(
             weight=measured.keys.weight,
         )
         tried += search.tried
-        for lock in search.rough(LOCK_CANDIDATES):
-            chance = log10_lock_chance(lock.score, len(phase)) + float(np.log10(lock.tried))
-            rough.append((chance, step, search, lock))
-    for _, step, search, lock in sorted(rough, key=lambda entry: entry[0])[:LOCK_CANDIDATES]:
-        correction = search.polished([lock])[0].correction
+        found += [(lock.score, step, lock.correction) for lock in search.polished(search.rough(LOCK_PEAKS))]
+    found.sort(key=lambda entry: -entry[0])
+    for score, step, correction in _distinct(found)[:LOCK_CANDIDATES]:
         phase = response.measured.phase(step, response.gradient @ correction)
         reading = Reading.of(response.measured, step, phase, charge * tried)
         yield reading
-        if reading.log10_chance + np.log10(tried) < CREDIBLE_LOG10:
+        if log10_lock_chance(score, len(phase)) + np.log10(tried) < CREDIBLE_LOG10:
             yield _again(shapes.corrected(hypothesis, correction), step, charge * tried)
+
+
+def _distinct(found: list[tuple[float, float, FloatArray]]) -> list[tuple[float, float, FloatArray]]:
+    """Return those of some (score, step, correction), best first, that are not the peak of a better one."""
+    kept: list[tuple[float, float, FloatArray]] = []
+    for entry in found:
+        if all(entry[1] != other[1] or not np.isclose(entry[0], other[0], rtol=SAME_PEAK) for other in kept):
+            kept.append(entry)
+    return kept
 
 
 def grown_readings(
