@@ -29,11 +29,11 @@ from meshmark.research.training.demodulator_training import information, raw_err
 from meshmark.research.training.demodulator_trials import LOST, Marked, Trial, mark, trials
 
 RULES: dict[str, Callable[[Trial], FloatArray]] = {
-    "sign": lambda t: np.sign(np.cos(t.phase)),
-    "cosine": lambda t: np.cos(t.phase),
-    "wrapped normal": lambda t: log_likelihood_ratio(t.phase),
-    "corrected cosine": lambda t: np.cos(corrected_phase(t.phase, t.cells, t.step, t.relief)),
-    "network": lambda t: demodulate(t.phase, t.cells, t.step, t.relief),
+    "sign": lambda t: np.sign(np.cos(t.seen.phase)),
+    "cosine": lambda t: np.cos(t.seen.phase),
+    "wrapped normal": lambda t: log_likelihood_ratio(t.seen.phase),
+    "corrected cosine": lambda t: np.cos(corrected_phase(t.seen)),
+    "network": lambda t: demodulate(t.seen),
 }
 # Shares of the carriers that are decoded from; dB = 10 log10(share).
 SHARES = (1.0, 0.79, 0.63, 0.5, 0.4, 0.32)
@@ -41,8 +41,9 @@ FEWER_ERRORS, DECIBELS = 0.20, 0.5
 
 
 def decoded(marked: Marked, trial: Trial, soft: FloatArray, keep: FloatArray) -> bool:
-    """Tell whether the id comes back from the carriers that are kept."""
-    values = np.bincount(trial.keys.code_index[keep], soft[keep], marked.codec.n)
+    """Tell whether the id comes back from the carriers that are kept; pilots say nothing of it."""
+    keep = keep[~trial.seen.keys.pilot[keep]]
+    values = np.bincount(trial.seen.keys.code_index[keep], soft[keep], marked.codec.n)
     return marked.codec.decode(values).id == marked.identity
 
 
@@ -59,7 +60,7 @@ def measure(paths: Sequence, most_points: int, seed: int) -> list[tuple[str, Tri
             print(f"{path.name}: {error}", flush=True)
             continue
         for trial in found:
-            order = rng.permutation(len(trial.phase))
+            order = rng.permutation(len(trial.seen))
             ids = {
                 name: [
                     decoded(marked, trial, rule(trial), order[: int(share * len(order))]) for share in SHARES
@@ -76,7 +77,7 @@ def report(rows: list[tuple[str, Trial, dict[str, list[bool]]]]) -> int:
     groups: dict[str, list[int]] = defaultdict(list)
     saved: list[str] = []  # found by the phase correction only; the cosine would look too bad with them
     for i, (_, trial, _ids) in enumerate(rows):
-        if raw_errors(np.cos(trial.phase), trial.targets) > LOST:
+        if raw_errors(np.cos(trial.seen.phase), trial.targets) > LOST:
             saved.append(f"{trial.attack}:{trial.strength:g}")
             continue
         groups[f"{trial.attack}:{trial.strength:g}"].append(i)

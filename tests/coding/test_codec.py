@@ -16,7 +16,7 @@ from tests.counting import some
 KEY = Key(bytes(range(32)))
 CODEC = Codec(KEY)
 OTHER = Codec(Key(bytes(32)))
-CODE_DIGEST = "8eb7d7bc1ca2e03886669fbad5ddb5ecf21b45093808c1743214edd679607007"
+CODE_DIGEST = "a1d97940d9562a66f8f9f01964b9f2daba6d12d8cab4aa08095bcfc271034776"
 IDS = st.integers(0, 2**64 - 1)
 
 

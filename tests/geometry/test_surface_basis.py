@@ -35,7 +35,7 @@ def test_smooth_values_are_met_closely_and_noise_is_not():
 
 def test_the_sides_of_a_thin_wall_share_no_function():
     grid = np.array([[x, y, 0.0] for x in np.linspace(0, 2, 15) for y in np.linspace(0, 2, 15)])
-    points = np.concatenate([grid, grid + [0.0, 0.0, 0.01]])
+    points = np.concatenate([grid, grid + np.array([0.0, 0.0, 0.01])])
     normals = np.repeat([[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]], len(grid), axis=0)
     basis = surface_basis(points, normals, PITCH).toarray() > 0.0
     assert not (basis[: len(grid)].any(axis=0) & basis[len(grid) :].any(axis=0)).any()

@@ -1,9 +1,9 @@
 """Id to code bits and back, under a key: what a scheme calls.
 
-The id, permuted under the key, is one word of a keyed linear code, XORed with a keyed mask. Nothing else is needed for a check: an
-unmarked model (or a wrong key) shows random code bits, so the chance that *any* of the 2^64 words agrees as
-well as the one found has a bound that holds for every decoder (`log10_chance`). An id is returned only where
-this bound lies under a limit; the default, 2^-32, is the strength of a 32-bit check word.
+The id, permuted under the key, is one word of a keyed linear code, XORed with a keyed mask. Nothing else is
+needed for a check: an unmarked model (or a wrong key) shows random code bits, so the chance that *any* of the
+2^64 words agrees as well as the one found has a bound that holds for every decoder (`log10_chance`). An id is
+returned only where this bound lies under a limit; the default, 2^-32, is the strength of a 32-bit check word.
 """
 
 from __future__ import annotations

@@ -21,7 +21,9 @@ class IdPermutation:
     """The permutation of a subkey (bytes, at most 64)."""
 
     def __init__(self, subkey: bytes) -> None:
-        self._rounds = [blake2b(bytes([number]), key=subkey, digest_size=32).digest() for number in range(ROUNDS)]
+        self._rounds = [
+            blake2b(bytes([number]), key=subkey, digest_size=32).digest() for number in range(ROUNDS)
+        ]
 
     def forward(self, identity: int) -> int:
         """Return the image of an id."""

@@ -83,8 +83,7 @@ class VisibleChange:
         mass, stiff: of the surface, as in `diffused`.
         """
         seen = np.zeros((len(self._points), 2))
-        seen[self._members, 0] = self._mean.T @ self.noticed
-        seen[self._members, 1] = self._mean.T @ np.ones(PATCHES)
+        seen[self._members] = self._mean.T @ np.column_stack([self.noticed, np.ones(PATCHES)])
         spread = diffused(seen / mass[:, None], mass, stiff, width)
         known = spread[:, 1] > 1e-6 * spread[:, 1].mean()
         average = spread[:, 0] / np.where(known, spread[:, 1], 1.0)
@@ -100,7 +99,8 @@ class VisibleChange:
         around = self._faces[(number[self._faces] >= 0).any(axis=1)]
         corners = [self._points.take(around[:, i], axis=0) for i in range(3)]
         size = np.linalg.norm(
-            sum_at_points(area_vectors(self._points, around), around, len(self._points))[self._members], axis=1
+            sum_at_points(area_vectors(self._points, around), around, len(self._points))[self._members],
+            axis=1,
         )
         rows, columns, values = [], [], []
         for mover in range(3):
@@ -165,7 +165,7 @@ def _patches(points: FloatArray, normals: FloatArray, used: IntArray, centres: I
 
 
 def _detail(places: FloatArray, normals: FloatArray, weight: FloatArray, rows: IntArray) -> FloatArray:
-    """Return (k,) the RMS angle, degrees, of normals (n, 3) from their best linear fit over places in each patch."""
+    """Return (k,): RMS angle, degrees, of normals (n, 3) from their best linear fit over places in each patch."""
     design = np.column_stack([np.ones(len(places)), places])
     pairs = design[:, :, None] * np.hstack([design, normals])[:, None, :] * weight[:, None, None]
     sums = np.zeros((PATCHES, 4, 7))

@@ -1,8 +1,8 @@
 """Smooth displacement fields that move many cells' offsets, and the frame, by chosen amounts.
 
-Displacements go along vertex normals, d = P R^-1 P' J' x with J the gradient of offsets and frame moments, P smooth
-functions on the surface and R = P' Q P, Q the visible energy: of all sums of those functions that change offsets and
-moments alike, the least visible (docs/decisions/0019).
+Displacements go along vertex normals, d = P R^-1 P' J' x with J the gradient of offsets and frame moments, P
+smooth functions on the surface and R = P' Q P, Q the visible energy: of all sums of those functions that change
+offsets and moments alike, the least visible (docs/decisions/0019).
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What the network sees of each carrier: its own doubled phase, its neighbours', and how rough its patch is.
+"""What the network sees of each carrier: its doubled phase, pilots and neighbours, and how rough its patch is.
 
 No feature changes when the phase of a cell that carries a bit is turned by pi, so none knows the bits; see
 `demodulator`.
@@ -37,11 +37,11 @@ LEAST_GRAIN: Final = 1e-4
 def carrier_features(seen: Observation) -> FloatArray:
     """Return (n, d), in the order of `FEATURES`.
 
-    own agreement: cos(2 phase), 1 on a quantiser point; lock: its mean over cells with bits; pilots: mean cos(phase)
-    of the pilots; fourfold lock: mean cos(4 phase), which distinguishes few broken cells from much noise; near, far
-    agreement: how much better than the mean the neighbours lie, pilots among them by their single phases; shear:
-    whether neighbours that face the same way err to the same side; grain: noise expected of the patch's roughness,
-    in steps.
+    own agreement: cos(2 phase), 1 on a quantiser point; lock: its mean over cells with bits; pilot lock: mean
+    cos(phase) of the pilots; fourfold lock: mean cos(4 phase), which distinguishes few broken cells from much
+    noise; near, far agreement: how much better than the mean the neighbours lie, pilots among them by their single
+    phases; shear: whether neighbours that face the same way err to the same side; grain: noise expected of the
+    patch's roughness, in steps.
     """
     if not len(seen):
         return np.zeros((0, len(FEATURES)))

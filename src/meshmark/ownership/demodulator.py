@@ -1,9 +1,9 @@
 """The soft demodulator: from phases of a reading to log-likelihood ratios of bits (docs/design.md, section 5).
 
-LLR = cos(phase) times what the network makes of features that depend on doubled phases only. Without a mark the
-keyed dithers make each phase as likely as the same turned by pi, whatever all others are. That turn changes the
-sign of this one ratio and nothing else: *given all magnitudes the signs are fair coins*, as the bound of
-`Codec.decode` needs, however the network was trained.
+LLR = cos(phase) times what the network makes of features that depend on pilots and doubled phases only. Without
+a mark the keyed dithers make each phase as likely as the same turned by pi, whatever all others are. That turn of
+a cell that carries a bit changes the sign of its ratio and nothing else: *given all magnitudes the signs are fair
+coins*, as the bound of `Codec.decode` needs, however the network was trained.
 """
 
 from __future__ import annotations

@@ -43,6 +43,9 @@ from meshmark.threads import on_one_thread
 
 __all__ = ["Owned", "embed"]
 
+# Loudness of a mark of the middle step, at least: where hardly any patch changes it is 0.
+QUIETEST = 1e-3
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Owned:
@@ -68,10 +71,10 @@ class _Task:
 def embed(
     mesh: Mesh, key: Key, *, id: int | None = None, strength: str = "standard", reserve: float = 0.0
 ) -> Owned:
-    """Put a 64-bit id into a mesh, as large as the strength allows.
+    """Put a 64-bit id into a mesh, as tough as the strength allows.
 
-    The first of a few steps, from the largest that seems within the budget down, is taken whose mark, rounded to
-    what the file can hold, is read back blind.
+    The first of a few steps, from the one that bears most noise within the budget down, is taken whose mark,
+    rounded to what the file can hold, is read back blind.
 
     Parameters
     ----------
@@ -80,8 +83,8 @@ def embed(
     id : int, optional
         64 bits; drawn at random where it is left out.
     strength : str
-        "subtle", "standard" or "strong": an RMS displacement of at most 0.02, 0.08 or 0.2 % of the bounding-box
-        diagonal of the vertices that faces use.
+        "subtle", "standard" or "strong": visible on about 0.3, 2.5 or 20 % of the surface, with an RMS displacement
+        of at most 0.02, 0.08 or 0.2 % of the bounding-box diagonal of the vertices that faces use.
     reserve : float
         RMS over the diagonal that a layer on top of this one needs of the budget.
 
@@ -104,7 +107,11 @@ def embed(
     diagonal = diagonal_of(mesh)
     surface = surface_of(mesh)
     task = _Task(
-        mesh=mesh, surface=surface, key=key, identity=identity, budget=sqrt(budget**2 - reserve**2) * diagonal,
+        mesh=mesh,
+        surface=surface,
+        key=key,
+        identity=identity,
+        budget=sqrt(budget**2 - reserve**2) * diagonal,
         share=VISIBLE_SHARES[strength],
     )
     nearest: tuple[tuple[bool, int], str] | None = None
@@ -114,7 +121,7 @@ def embed(
         if nearest is None or (tried, carriers) > nearest[0]:
             reason = why_not(shaping.surroundings, carriers, shaping.capacity, strength, tried)
             nearest = (tried, carriers), reason
-        if tried and (found := _largest_step(task, shaping)) is not None:
+        if tried and (found := _read_back(task, shaping)) is not None:
             return found
     raise CapacityError(
         nearest[1] if nearest is not None else "the model has no surface that could carry 64 bits"
@@ -138,9 +145,8 @@ def _shapings(task: _Task, bits: Bits) -> Iterator[Shaping]:
     yield from sorted(scarce, key=lambda shaping: -shaping.capacity)
 
 
-def _largest_step(task: _Task, shaping: Shaping) -> Owned | None:
-    """Return the mark of largest step, within the budget and hardly compensated, that is read back, or None."""
-
+def _read_back(task: _Task, shaping: Shaping) -> Owned | None:
+    """Return the first mark that is read back, from the toughest step down, or None."""
     mesh, surface = task.mesh, task.surface
     likeliest = _is_likeliest(surface, shaping.spacing)
     first = _toughest(task, shaping)
@@ -176,7 +182,7 @@ def _toughest(task: _Task, shaping: Shaping) -> int:
 
     # Loudness is about proportional to the step.
     middle = float(STEPS[len(STEPS) // 2])
-    likely = middle * TYPICAL_LOUDNESS / shaping.loudness(middle)
+    likely = middle * TYPICAL_LOUDNESS / max(shaping.loudness(middle), QUIETEST)
     best = int(np.argmin(np.abs(np.log(STEPS / likely))))
     values = {best: worth(best)}
     while best < len(STEPS):

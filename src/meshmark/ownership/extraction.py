@@ -228,7 +228,7 @@ def _log10_bound(log10_chance: float, hypotheses: float) -> float:
     """Bound log10 of the chance that any of the hypotheses is this unlikely.
 
     A product x of two p-values falls below x by chance with x (1 - ln x): the signs of the bits are fair coins
-    whatever the lock, which sees only doubled phases. For a lock alone this is more than is needed.
+    whatever the lock, which sees only pilots and doubled phases. For a lock alone this is more than is needed.
     """
     return min(0.0, log10(hypotheses) + log10_chance + log10(1.0 - log10_chance * log(10.0)))
 
@@ -255,7 +255,7 @@ def extraction_of(found: Found, codec: Codec, mode: str, seconds: float) -> Extr
             seconds=seconds,
         )
     count = len(reading.phase)
-    lock = reading.score / count
+    lock = reading.score / float(reading.measured.keys.weight.sum())
     if found.ids:
         agreeing = max(_agreeing(codec, reading, each) for each in found.ids)
         advice = (

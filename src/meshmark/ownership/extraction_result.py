@@ -37,7 +37,8 @@ class Extraction:
     log10_false_positive: bound on the chance of this answer without a mark of this key, over all that was tried.
     mode: "blind", "certificate" or "original". carriers: cells read; carriers_agreeing: those whose bit is the
     decoded one's.
-    lock_score: mean cos(2 phase), 1 for an untouched mark and about 0 without one.
+    lock_score: weighted mean cosine of the phases by which the lattice is locked (`CellKeys`), 1 where all cells
+    lie on the quantiser's points, about 0 without a mark.
     advice: one sentence for the reader. evidence: what layers say of a mark, none where it is absent.
     """
 

@@ -1,4 +1,4 @@
-"""What one reading shows of each cell: its phase, where it lies, what the key says of it, how rough its patch is."""
+"""What one reading shows of each cell: its phase, where it lies, what the key says of it, how rough it is."""
 
 from __future__ import annotations
 

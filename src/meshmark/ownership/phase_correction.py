@@ -1,7 +1,7 @@
 """What is left of smoothing, noise and a wrong frame in a reading, taken off its phases.
 
 After the lattice lock the offsets still err together: where smoothing was undone a little too far or too short,
-by a multiple of each cell's bending. A few such multiples are fitted to the doubled phases, as the lock is.
+by a multiple of each cell's bending. A few such multiples are fitted to pilots and doubled phases, as the lock is.
 """
 
 from __future__ import annotations

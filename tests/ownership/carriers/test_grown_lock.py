@@ -32,10 +32,27 @@ def problem(seed, size, noise=0.3, cells=220):
 @pytest.mark.parametrize("seed", range(6))
 def test_planted_corrections_are_found(seed):
     psi, gradient, place, truth = problem(seed, size=2.0)
-    locks = [grown(psi, gradient, EXPECTED, order) for order in neighbourhoods(gradient * EXPECTED, place, 3)]
+    orders = neighbourhoods(gradient * EXPECTED, place, 3)
+    locks = [grown(psi, gradient, EXPECTED, order, weight=np.ones(len(psi))) for order in orders]
     best = max((lock for lock in locks if lock), key=lambda lock: lock.score)
     np.testing.assert_allclose(best.correction, truth, atol=1e-3)
     assert best.score == pytest.approx(np.cos(psi + gradient @ truth).sum(), rel=0.05)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_cells_of_little_weight_do_no_harm(seed):
+    """A correction is found by the half of the cells that counts, the phases of the others being anything."""
+    rng = np.random.default_rng(50 + seed)
+    psi, gradient, place, truth = problem(seed, size=2.0, cells=440)
+    lost = rng.random(len(psi)) < 0.5
+    psi = np.where(lost, rng.uniform(0.0, 2.0 * np.pi, len(psi)), psi)
+    weight = np.where(lost, 0.1, 1.0)
+    weight /= np.sqrt(np.mean(weight**2))
+    orders = neighbourhoods(gradient * EXPECTED * weight[:, None], place, 3)
+    locks = [grown(psi, gradient, EXPECTED, order, weight=weight) for order in orders]
+    best = max((lock for lock in locks if lock), key=lambda lock: lock.score)
+    np.testing.assert_allclose(best.correction, truth, atol=1.5e-3)
+    assert best.score == pytest.approx(weight @ np.cos(psi + gradient @ truth), rel=0.05)
 
 
 def test_a_plain_search_of_as_many_corrections_misses_them():
@@ -43,7 +60,7 @@ def test_a_plain_search_of_as_many_corrections_misses_them():
     found = 0
     for seed in range(6):
         psi, gradient, _, truth = problem(seed, size=2.0)
-        search = LockSearch(psi, gradient, EXPECTED, 2.5, 400_000)
+        search = LockSearch(psi, gradient, EXPECTED, 2.5, 400_000, weight=np.ones(len(psi)))
         (best,) = search.polished(search.rough(1))
         found += bool(np.abs(best.correction - truth).max() < 2e-3)
     assert found <= 2
@@ -59,7 +76,7 @@ def test_chance_does_not_lock_by_its_own_bound(monkeypatch):
             psi = rng.uniform(0.0, 2.0 * np.pi, len(gradient))
             for order in neighbourhoods(gradient * EXPECTED, place, 2):
                 share.case()
-                lock = grown(psi, gradient, EXPECTED, order)
+                lock = grown(psi, gradient, EXPECTED, order, weight=np.ones(len(psi)))
                 if lock is not None:
                     share.asserted()
                     assert -(lock.score**2) / len(psi) / np.log(10.0) + np.log10(lock.tried) > 0.0

@@ -6,14 +6,16 @@ import numpy as np
 import pytest
 
 from meshmark.ownership.carriers import lock as module
+from meshmark.ownership.carriers.lattice import CellKeys
 from meshmark.ownership.carriers.lock import LockSearch
 from meshmark.ownership.carriers.quantisation import log10_lock_chance
 
 EXPECTED = np.array([0.005] * 4 + [0.006] * 3)
 
 
-def search_lock(psi, gradient, expected, radius=2.2):
-    search = LockSearch(psi, gradient, expected, radius)
+def search_lock(psi, gradient, expected, radius=2.2, weight=None):
+    weight = np.ones(len(psi)) if weight is None else weight
+    search = LockSearch(psi, gradient, expected, radius, weight=weight)
     return sorted(search.polished(search.rough(3)), key=lambda lock: -lock.score)
 
 
@@ -38,7 +40,8 @@ def test_the_grid_search_is_the_plain_search():
     """All sums of two halves, one matrix product, against every grid point in turn."""
     psi, gradient, _ = problem(3, cells=40)
     response = gradient * EXPECTED
-    grid = module._plan(response, 1.5, module.MOST)
+    weight = np.random.default_rng(4).uniform(0.2, 1.8, 40)
+    grid = module._plan(response, weight, 1.5, module.MOST)
     one, two = grid.halves
     sums = [
         (p + q, a * a + b * b)
@@ -47,9 +50,22 @@ def test_the_grid_search_is_the_plain_search():
         if a * a + b * b <= grid.radius**2 * (1 + module.ROUNDING)
     ]
     assert len(sums) == grid.size > 100
-    worth = [np.cos(psi + response @ place).sum() - far for place, far in sums]
-    best = module._best_places(grid, psi, 1)[0]
+    worth = [weight @ np.cos(psi + response @ place) - far for place, far in sums]
+    best = module._best_places(grid, psi, weight, 1)[0]
     np.testing.assert_allclose(best, sums[int(np.argmax(worth))][0], atol=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_cells_of_no_weight_say_nothing(seed):
+    """Half of the cells, of no weight, may show any phases: correction and score are those of the others."""
+    psi, gradient, truth = problem(seed, cells=500)
+    rng = np.random.default_rng(100 + seed)
+    lost = rng.random(500) < 0.5
+    psi = np.where(lost, rng.uniform(0.0, 2.0 * np.pi, 500), psi)
+    with_all = search_lock(psi, gradient, EXPECTED, weight=np.where(lost, 0.0, 1.0))[0]
+    np.testing.assert_allclose(with_all.correction, truth, atol=2e-4)
+    without = search_lock(psi[~lost], gradient[~lost], EXPECTED)[0]
+    assert with_all.score == pytest.approx(without.score, rel=1e-3)
 
 
 def test_a_correction_of_nothing_is_kept():
@@ -71,13 +87,16 @@ def test_the_same_input_gives_the_same_answer():
     assert [lock.score for lock in first] == [lock.score for lock in second]
 
 
-def test_chance_is_bounded():
+@pytest.mark.parametrize("pilots", [0.0, 0.2])
+def test_chance_is_bounded(pilots):
     """On random phases the bound, times the corrections tried, is rarely small: p-values at least uniform."""
     rng = np.random.default_rng(0)
     _, gradient, _ = problem(0, cells=200)
+    keys = CellKeys(code_index=np.arange(200), dither=np.zeros(200), pilot=np.arange(200) < 200 * pilots)
+    gradient = keys.factor[:, None] * gradient / 4.0
     bounds = []
     for _ in range(200):
-        best = search_lock(rng.uniform(0, 2 * np.pi, 200), gradient / 2.0, EXPECTED)[0]
+        best = search_lock(rng.uniform(0, 2 * np.pi, 200), gradient, EXPECTED, weight=keys.weight)[0]
         bounds.append(log10_lock_chance(best.score, 200) + np.log10(best.tried))
     # Of 200 p-values at least as large as uniform, more than 8 below 0.01 come with a chance below 1e-4.
     assert (np.array(bounds) < -2.0).sum() <= 8

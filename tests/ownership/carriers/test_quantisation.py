@@ -5,6 +5,7 @@ from itertools import product
 import numpy as np
 import pytest
 
+from meshmark.ownership.carriers.lattice import CellKeys
 from meshmark.ownership.carriers.quantisation import (
     bit_phase,
     lock_score,
@@ -25,7 +26,7 @@ def test_shifted_offsets_say_their_bits_with_full_lock():
     shifted = offsets + nearest_offsets(offsets, dither, bits, 0.1, np.eye(200))
     phase = bit_phase(shifted, dither, 0.1)
     np.testing.assert_array_equal(np.cos(phase) < 0, bits == 1)
-    assert float(lock_score(phase)) == pytest.approx(200.0)
+    assert float(lock_score(2.0 * phase, np.ones(200))) == pytest.approx(200.0)
 
 
 def test_without_coupling_every_shift_is_the_nearest():
@@ -50,9 +51,13 @@ def test_coupled_shifts_cost_no_more_than_rounding_and_often_the_least():
     assert best >= 12
 
 
-def test_lock_bound_holds_for_uniform_phases():
+@pytest.mark.parametrize("pilots", [0, 12, 60])
+def test_lock_bound_holds_for_uniform_phases(pilots):
+    """Bits turn doubled phases by 2 pi; those of pilots, which count more, are single and their bits known."""
     count, trials = 60, 4000
-    scores = lock_score(RANDOM.uniform(0, 2 * np.pi, size=(trials, count)))
+    keys = CellKeys(code_index=np.arange(count), dither=np.zeros(count), pilot=np.arange(count) < pilots)
+    assert np.mean(keys.weight**2) == pytest.approx(1.0)
+    scores = lock_score(keys.factor * RANDOM.uniform(0, 2 * np.pi, size=(trials, count)), keys.weight)
     for quantile in (0.9, 0.99, 0.999):
         score = float(np.quantile(scores, quantile))
         assert 10 ** log10_lock_chance(score, count) >= 1 - quantile

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from meshmark.coding.codec import CHECK_WORD_LIMIT
 from meshmark.errors import InputError
 from meshmark.mesh import Mesh
-from meshmark.ownership.carriers.lattice import CellKeys
 from meshmark.ownership.demodulator import demodulate
 from meshmark.research.training.demodulator_training import (
     figures,
@@ -18,7 +19,7 @@ from meshmark.research.training.demodulator_training import (
 )
 from meshmark.research.training.demodulator_trials import Trial, mark, trials
 from tests.counting import some
-from tests.ownership.test_phase_correction import STEP, patches
+from tests.ownership.observations import drawn_bits, reading
 from tests.shapes import pebble
 
 TETRAHEDRON = Mesh(
@@ -29,20 +30,15 @@ TETRAHEDRON = Mesh(
 
 def made_up(seed: int, noise: float = 0.7) -> Trial:
     rng = np.random.default_rng(seed)
-    cells, relief = patches(200, seed)
-    bits = rng.integers(0, 2, 200)
-    spread = noise * relief.grain / relief.grain.mean()
+    seen = reading(200, seed)
+    bits = drawn_bits(seen, rng)
+    spread = noise * seen.relief.grain / seen.relief.grain.mean()
     phase = np.pi * bits + spread * rng.normal(size=200)
-    keys = CellKeys(np.arange(200), rng.uniform(size=200))
     return Trial(
         attack="noise",
         strength=noise,
-        phase=phase,
-        cells=cells,
-        keys=keys,
-        step=STEP,
-        relief=relief,
-        targets=1.0 - 2.0 * bits,
+        seen=replace(seen, phase=phase),
+        targets=np.where(seen.keys.pilot, 0.0, 1.0 - 2.0 * bits),
     )
 
 
@@ -50,15 +46,19 @@ def test_trials_are_readings_of_the_marked_bits():
     rng = np.random.default_rng(0)
     marked = mark(Mesh(*pebble(120)), rng)
     assert marked is not None
-    found = list(trials(marked, rng, (("float32", 1.0), ("noise", 0.01))))
+    found = list(trials(marked, rng, (("float32", 1.0), ("noise", 0.005))))
     assert {trial.attack for trial in found} == {"float32", "noise"}
     for trial in some(found):
-        assert (trial.targets == 1.0 - 2.0 * marked.bits[trial.keys.code_index]).all()
+        told = ~trial.seen.keys.pilot
+        assert (trial.targets[told] == 1.0 - 2.0 * marked.bits[trial.seen.keys.code_index[told]]).all()
+        assert (trial.targets[~told] == 0.0).all()
+        assert 0.1 < np.mean(~told) < 0.3
     clean, noised = (next(trial for trial in found if trial.attack == name) for name in ("float32", "noise"))
-    assert raw_errors(np.cos(clean.phase), clean.targets) < 0.03
-    assert 0.0 < raw_errors(np.cos(noised.phase), noised.targets) < 0.36
-    soft = demodulate(clean.phase, clean.cells, clean.step, clean.relief)
-    observed = np.bincount(clean.keys.code_index, soft, marked.codec.n)
+    # What is compensated says some bits wrong even where nothing was done to it.
+    errors = [raw_errors(np.cos(trial.seen.phase), trial.targets) for trial in (clean, noised)]
+    assert errors[0] < 0.2
+    assert errors[0] < errors[1] < 0.36
+    observed = np.bincount(clean.seen.keys.code_index, demodulate(clean.seen), marked.codec.n)
     decoded = marked.codec.decode(observed)
     assert decoded.id == marked.identity
     assert decoded.log10_chance < CHECK_WORD_LIMIT
@@ -96,3 +96,10 @@ def test_information_is_that_of_known_channels():
         0.5, abs=0.01
     )
     assert raw_errors(targets * flips, targets) == pytest.approx(0.11, abs=0.006)
+
+
+def test_pilots_count_neither_as_errors_nor_as_information():
+    targets = np.array([1.0, -1.0, 1.0, -1.0, 0.0, 0.0, 0.0])
+    soft = np.array([2.0, -3.0, 1.0, 0.5, -9.0, 9.0, 0.0])
+    assert raw_errors(soft, targets) == 0.25
+    assert information(soft, targets) == information(soft[:4], targets[:4])

@@ -66,29 +66,35 @@ def grown(
     response = gradient * expected
     cluster = order[:FIRST]
     search = LockSearch(psi[cluster], gradient[cluster], expected, RADIUS, most, weight=weight[cluster])
-    least = STANDS_OUT * np.sqrt(len(cluster) / 2.0)
+    least = STANDS_OUT * np.sqrt(weight[cluster] @ weight[cluster] / 2.0)
     rough = [lock for lock in search.rough(KEPT) if lock.score > ON_GRID * least]
     locks = [lock for lock in search.polished(rough) if lock.score > least]
     if not locks:
         return None
     best = max(
-        (_grow(psi, gradient, expected, order, lock.correction, weight) for lock in locks),
+        (_grow(psi, gradient, expected, lock.correction, order=order, weight=weight) for lock in locks),
         key=lambda lock: lock.score,
     )
     return Lock(correction=best.correction, score=best.score, tried=grid_size(response, RADIUS))
 
 
 def _grow(
-    psi: FloatArray, gradient: FloatArray, expected: FloatArray, order: IntArray, place: FloatArray, weights: FloatArray
+    psi: FloatArray,
+    gradient: FloatArray,
+    expected: FloatArray,
+    place: FloatArray,
+    *,
+    order: IntArray,
+    weight: FloatArray,
 ) -> Lock:
-    """Return the lock of all cells that a lock of the first few leads to."""
+    """Return the lock of all cells that a lock of the first few, at `place` (d,), leads to."""
     count = min(FIRST, len(order))
     while True:
         held = order[:count]
         # What the cells so far leave open: the inverse of their information, with what was expected at first.
-        weight = weights[held] * np.maximum(np.cos(psi[held] + gradient[held] @ place), 0.0)
+        told = weight[held] * np.maximum(np.cos(psi[held] + gradient[held] @ place), 0.0)
         response = gradient[held] * expected
-        values, turn = np.linalg.eigh((response.T * weight) @ response + np.eye(len(expected)))
+        values, turn = np.linalg.eigh((response.T * told) @ response + np.eye(len(expected)))
         ways = expected[:, None] * (turn / np.sqrt(values))
         count = min(int(count * GROWTH), len(order))
         wider = order[:count]
@@ -98,7 +104,7 @@ def _grow(
             np.ones(len(values)),
             NEXT_RADIUS,
             MOST_NEXT,
-            weight=weights[wider],
+            weight=weight[wider],
         )
         (lock,) = search.polished(search.rough(1))
         place = place + ways @ lock.correction

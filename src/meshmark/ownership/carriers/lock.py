@@ -1,10 +1,10 @@
 """Lattice lock: the correction under which the cells' offsets lie on the quantiser's points.
 
-The score sum_k cos(psi_k + g_k . y) of doubled phases psi does not depend on the message and peaks at the true
-correction y (docs/design.md, section 4). As exp(i (a + b)) = exp(i a) exp(i b), the scores of all corrections (y1,
-y2) are *one matrix product*, of the waves of all y1 with those of all y2: a million corrections cost a few
-milliseconds. So a grid over a ball in seven or more dimensions is searched whole, with no risk of missing a peak,
-and only the best places are polished.
+The score sum_k w_k cos(psi_k + g_k . y), psi the phases of pilots and twice those of the other cells, does not
+depend on the message and peaks at the true correction y (docs/design.md, section 4). As exp(i (a + b)) = exp(i a)
+exp(i b), the scores of all corrections (y1, y2) are *one matrix product*, of the waves of all y1 with those of all
+y2: a million corrections cost a few milliseconds. So a grid over a ball in seven or more dimensions is searched
+whole, with no risk of missing a peak, and only the best places are polished.
 
 Corrections are measured in units of what is expected of them (a standard deviation is 1) along the principal
 directions of the phases' response, so that ill-determined directions get few grid points.
@@ -43,7 +43,7 @@ class Lock:
     """A correction and how well it fits.
 
     correction: (d,) in the units of the gradient's columns.
-    score: sum of cosines there; tried: how many independent corrections this is the best of, at most.
+    score: weighted sum of cosines there; tried: how many independent corrections this is the best of, at most.
     """
 
     correction: FloatArray
@@ -54,9 +54,10 @@ class Lock:
 class LockSearch:
     """The search for corrections of one set of phases.
 
-    psi: (n,) doubled phases in radians; gradient: (n, d) their change per unit of each part of the correction;
-    expected: (d,) standard deviation of each part; radius: of the ball searched, in standard deviations.
-    most: grid points at most; where there were more, the ball shrinks.
+    psi: (n,) phases that do not depend on bits, radians; gradient: (n, d) their change per unit of each part of the
+    correction; expected: (d,) standard deviation of each part; radius: of the ball searched, in these.
+    most: grid points at most; where there were more, the ball shrinks. weight: (n,) what each phase counts, squares
+    of mean 1.
     """
 
     def __init__(

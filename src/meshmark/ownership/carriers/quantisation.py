@@ -1,7 +1,7 @@
 """Quantisation index modulation of the cells' offsets (docs/design.md, section 4).
 
 Bit b of a cell puts its offset on the nearest point of step * (Z + dither + b/2). The same formula read
-backwards gives a soft value, and, squared, a lock score that does not depend on the bits.
+backwards gives a soft value, and, of doubled phases, a lock score that does not depend on the bits.
 """
 
 from __future__ import annotations

@@ -66,7 +66,7 @@ class Measurement:
 class Reading:
     """A measurement read with one quantisation step.
 
-    step: in spacings. phase: (n,) radians; score: sum of cos(2 phase); log10_chance: of the score alone, one
+    step: in spacings. phase: (n,) radians; score: `lock_score`; log10_chance: of the score alone, one
     hypothesis; hypotheses: what the chance is to be multiplied by (`TrialCounter`).
     mirrored: read in the suspect's mirror image.
     """

@@ -24,7 +24,11 @@ _SURE: Final = 99.0
 
 @dataclass(frozen=True)
 class Extraction:
-    """bits: soft bits (n,) of a reading, positive for 0; regions: of each region (n,), altered where above 0."""
+    """How a reading and regions are judged.
+
+    bits: soft bits (n,) of a reading, positive for 0 and none for pilots.
+    regions: of each region (n,), altered where above 0.
+    """
 
     bits: Callable[[Trial], FloatArray]
     regions: Callable[[RegionTrial], FloatArray]
@@ -35,7 +39,7 @@ def _network_bits(trial: Trial) -> FloatArray:
 
 
 def _rule_bits(trial: Trial) -> FloatArray:
-    return log_likelihood_ratio(trial.seen.phase)
+    return np.where(trial.seen.keys.pilot, 0.0, log_likelihood_ratio(trial.seen.phase))
 
 
 def _network_regions(trial: RegionTrial) -> FloatArray:

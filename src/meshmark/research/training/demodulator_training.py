@@ -65,7 +65,7 @@ def figures(trials: Sequence[Trial], network: Perceptron) -> dict[str, dict[str,
     result = {}
     for name, group in groups.items():
         cosine, rule, net, targets = (
-            np.concatenate([values[trial.targets != 0.0] for trial, values in zip(group, parts, strict=True)])
+            np.concatenate(parts)
             for parts in (
                 [np.cos(trial.seen.phase) for trial in group],
                 [log_likelihood_ratio(trial.seen.phase) for trial in group],
@@ -86,14 +86,20 @@ def figures(trials: Sequence[Trial], network: Perceptron) -> dict[str, dict[str,
 
 
 def raw_errors(soft: FloatArray, targets: FloatArray) -> float:
-    """Return the share of soft values (n,) whose sign is not that of their target (n,), +1 or -1."""
-    return float(np.mean(soft * targets <= 0.0))
+    """Return the share of soft values (n,) whose sign is not that of their target (n,): +1, -1, or 0 for none."""
+    told = targets != 0.0
+    return float(np.mean(soft[told] * targets[told] <= 0.0))
 
 
 def information(soft: FloatArray, targets: FloatArray) -> float:
-    """Return the bits per carrier that soft values (n,) tell of fair targets (n,), at their best common scale."""
+    """Return the bits per carrier that soft values (n,) tell of fair targets (n,), at their best common scale.
+
+    targets: +1, -1, or 0 for a pilot, which carries no bit and is left out.
+    """
+    told = targets != 0.0
+    agreement = soft[told] * targets[told]
     scales = np.geomspace(1.0 / _LARGEST_SCALE, _LARGEST_SCALE, 121)
-    losses = [float(np.logaddexp(0.0, -scale * soft * targets).mean()) for scale in scales]
+    losses = [float(np.logaddexp(0.0, -scale * agreement).mean()) for scale in scales]
     return 1.0 - min(losses) / float(np.log(2.0))
 
 

@@ -86,7 +86,7 @@ class Marked:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Trial:
-    """One reading (see `Reading`) after an attack, and the truth: targets (n,) +1 for bit 0, -1 for bit 1."""
+    """One reading after an attack, and the truth: targets (n,) +1 for bit 0, -1 for bit 1, 0 for pilots."""
 
     attack: str
     strength: float
@@ -126,7 +126,9 @@ def trials(
     for name, strength in attacks:
         surface = weld(find_attack(name)(marked.mesh, strength, rng))
         off = POSE_OFF * POSE_EXPECTED * rng.normal(size=POSE_SIZE)
-        starts = [_Shape(surface, restoration, off) for restoration in restorations(surface, frame_known=True)]
+        starts = [
+            _Shape(surface, restoration, off) for restoration in restorations(surface, frame_known=True)
+        ]
         scores = [start.score(marked) for start in starts]
         for index in sorted({0, int(np.argmax(scores))}):
             trial = _trial(marked, starts[index], name, strength)
@@ -191,7 +193,7 @@ class _Shape:
             after = self._read(marked, self._points() + HALF * way)
             row = find_nodes(after.nodes, cells.nodes)
             change = np.zeros(len(row))
-            change[row >= 0] = (after.offset[row[row >= 0]] - cells.offset[row >= 0])
+            change[row >= 0] = after.offset[row[row >= 0]] - cells.offset[row >= 0]
             columns.append(change[:, None] / HALF)
         return np.asarray(2.0 * np.pi / marked.step * np.hstack(columns))
 
@@ -216,6 +218,7 @@ def _trial(marked: Marked, shape: _Shape, name: str, strength: float) -> Trial |
         relief=shape.relief(marked, cells),
     )
     targets = np.where(seen.keys.pilot, 0.0, 1.0 - 2.0 * marked.bits[seen.keys.code_index])
-    if np.mean(np.cos(corrected_phase(seen)) * targets < 0.0) > LOST:
+    told = targets != 0.0
+    if np.mean(np.cos(corrected_phase(seen)[told]) * targets[told] < 0.0) > LOST:
         return None
     return Trial(attack=name, strength=strength, seen=seen, targets=targets)

@@ -14,7 +14,7 @@ from meshmark.coding.keys import Key
 from meshmark.errors import CapacityError
 from meshmark.geometry.frame import canonical_frame
 from meshmark.mesh import FloatArray, IntArray, Mesh
-from meshmark.ownership.carriers.quantisation import bit_phase, lock_score
+from meshmark.ownership.carriers.quantisation import bit_phase
 from meshmark.research.schemes.rivals.angles import Angles, angles_of, turned
 from meshmark.research.schemes.rivals.codeword import order_of, votes
 from meshmark.research.schemes.rivals.host import Host
@@ -128,7 +128,7 @@ class _Plan:
         """Return the step whose lattice the angles lie on best; the bits do not matter for it."""
         surest = np.argsort(-angles.weights.ravel(), kind="stable")[:ENOUGH]
         values, dither = angles.values.ravel()[surest], self.dither.ravel()[surest]
-        scores = [float(lock_score(bit_phase(values, dither, float(step)))) for step in STEPS]
+        scores = [float(np.cos(2.0 * bit_phase(values, dither, float(step))).sum()) for step in STEPS]
         return float(STEPS[int(np.argmax(scores))])
 
 

@@ -14,7 +14,7 @@ from meshmark.errors import CapacityError
 from meshmark.geometry.areas import vertex_areas_and_normals
 from meshmark.geometry.open_edges import open_edges
 from meshmark.mesh import FloatArray, IntArray, Mesh
-from meshmark.ownership.carriers.quantisation import bit_phase, lock_score, nearest_offsets
+from meshmark.ownership.carriers.quantisation import bit_phase, nearest_offsets
 from meshmark.research.schemes.rivals.codeword import coded, order_of
 from meshmark.research.schemes.rivals.host import Host
 from meshmark.research.schemes.rivals.rival import Rival
@@ -93,7 +93,7 @@ class VolumeMoments(Rival):
             shares = reader.shares(host.points, host.faces, solid.centre, axes * turn)
             for step in self._steps:
                 phase = bit_phase(shares, reader.dither, float(step))
-                score = float(lock_score(phase))
+                score = float(np.cos(2.0 * phase).sum())
                 if score > best:
                     best, best_seen = score, np.cos(phase)
         return best_seen, 1

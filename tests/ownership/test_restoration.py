@@ -1,0 +1,62 @@
+"""Which shapes a suspect may have had, and in which frames they are read."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from meshmark.geometry.frame import Frame
+from meshmark.geometry.surface_of import surface_of
+from meshmark.mesh import Mesh
+from meshmark.ownership.search.restoration import Shape, restorations
+from meshmark.ownership.search.shapes import Shapes
+from tests.counting import some
+from tests.shapes import pebble
+
+POINTS, FACES = pebble(96)
+SIZE = float(np.linalg.norm(np.ptp(POINTS, axis=0)))
+
+
+def noisy():
+    noise = np.random.default_rng(1).normal(size=POINTS.shape)
+    return surface_of(Mesh(POINTS + 0.006 * SIZE * noise, FACES))
+
+
+def apart(one: Frame, other: Frame) -> float:
+    """Return how far two frames put the points of the pebble from one another (RMS, canonical units)."""
+    return float(np.sqrt(np.mean((one.to_canonical(POINTS) - other.to_canonical(POINTS)) ** 2)))
+
+
+def test_the_first_shape_is_the_surface_as_it_stands_in_its_own_frame():
+    surface = noisy()
+    (first,) = next(restorations(surface)).shapes
+    np.testing.assert_array_equal(first.points, surface.points)
+    assert first.framed_by is None
+
+
+def test_shapes_of_another_frame_lie_in_it():
+    surface = noisy()
+    shapes = Shapes(surface)
+    found = [restoration.shapes[0] for restoration in restorations(surface)]
+    for shape in some(shape for shape in found if shape.framed_by is not None):
+        assert shapes.frame(shape) is shapes.frame(shape.framed_by)
+        assert shapes.frame(shape) is not shapes.frame(Shape(shape.points))
+
+
+def test_a_smoother_shape_has_nearly_the_frame_from_before_the_noise():
+    surface = noisy()
+    shapes, before = Shapes(surface), surface_of(Mesh(POINTS, FACES)).frame
+    framed = next(
+        restoration.shapes[0] for restoration in restorations(surface) if restoration.shapes[0].framed_by
+    )
+    assert apart(shapes.frame(framed), before) < 0.5 * apart(surface.frame, before)
+
+
+def test_where_the_frame_is_known_no_shape_is_read_twice():
+    surface = noisy()
+    own, known = (
+        [restoration.shapes[0].points for restoration in restorations(surface, frame_known=given)]
+        for given in (False, True)
+    )
+    assert sum(np.array_equal(points, surface.points) for points in own) == 2
+    assert sum(np.array_equal(points, surface.points) for points in known) == 1
+    assert len(own) == len(known) + 1
