@@ -14,7 +14,8 @@ from meshmark.ownership.carriers.lock import Lock, LockSearch, grid_size
 
 __all__ = ["MOST_FIRST", "grown", "neighbourhoods"]
 
-# Cells in the first cluster, and by how much the next is larger.
+# Cells in the first cluster, those of most weight (pilots: single phases take few corrections even far apart), and
+# by how much the next is larger.
 FIRST, GROWTH = 45, 2.2
 # Corrections tried at most in the first cluster and in the others.
 MOST_FIRST, MOST_NEXT = 400_000, 4_000
@@ -27,24 +28,32 @@ PLACES = 40
 RADIUS, NEXT_RADIUS = 2.5, 3.0
 
 
-def neighbourhoods(response: FloatArray, places: FloatArray, count: int) -> list[IntArray]:
+def neighbourhoods(
+    response: FloatArray, places: FloatArray, weight: FloatArray, count: int
+) -> list[IntArray]:
     """Return orders of the cells (n,), each by the distance from where a cluster takes few corrections.
 
     The first takes fewest; of the next ones no first cluster shares a cell with those before.
-    response: (n, d) change of the phases per standard deviation of each part; places: (n, 3) of the cells.
+    response: (n, d) change of the phases per standard deviation of each part; places: (n, 3) of the cells; weight:
+    (n,) as in `LockSearch`.
     """
     if len(places) <= FIRST:
         return [np.arange(len(places))]
     centres = places[:: -(-len(places) // PLACES)]
     orders = [np.argsort(((places - centre) ** 2).sum(axis=1), kind="stable") for centre in centres]
-    orders.sort(key=lambda order: grid_size(response[order[:FIRST]], RADIUS))
+    orders.sort(key=lambda order: grid_size(response[_first(order, weight)], RADIUS))
     chosen: list[IntArray] = []
     taken = np.zeros(len(places), dtype=bool)
     for order in orders:
-        if len(chosen) < count and not taken[order[:FIRST]].any():
+        if len(chosen) < count and not taken[_first(order, weight)].any():
             chosen.append(order)
-            taken[order[:FIRST]] = True
+            taken[_first(order, weight)] = True
     return chosen
+
+
+def _first(order: IntArray, weight: FloatArray) -> IntArray:
+    """Return the cells of the first cluster of an order."""
+    return order[weight[order] == weight.max()][:FIRST]
 
 
 def grown(
@@ -64,7 +73,7 @@ def grown(
     score is that of the best of them.
     """
     response = gradient * expected
-    cluster = order[:FIRST]
+    cluster = _first(order, weight)
     search = LockSearch(psi[cluster], gradient[cluster], expected, RADIUS, most, weight=weight[cluster])
     least = STANDS_OUT * np.sqrt(weight[cluster] @ weight[cluster] / 2.0)
     rough = [lock for lock in search.rough(KEPT) if lock.score > ON_GRID * least]
@@ -88,7 +97,7 @@ def _grow(
     weight: FloatArray,
 ) -> Lock:
     """Return the lock of all cells that a lock of the first few, at `place` (d,), leads to."""
-    count = min(FIRST, len(order))
+    count = int(np.flatnonzero(np.isin(order, _first(order, weight)))[-1]) + 1
     while True:
         held = order[:count]
         # What the cells so far leave open: the inverse of their information, with what was expected at first.

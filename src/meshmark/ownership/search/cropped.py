@@ -116,7 +116,7 @@ def _grown(place: _Place, cluster: int, charge: float) -> Iterator[Reading]:
         return
     places = response.measured.cells.nodes.astype(np.float64)
     typical = response.measured.turn(response.gradient, TYPICAL_STEP)
-    orders = neighbourhoods(typical * CROP_EXPECTED, places, cluster + 1)[cluster:]
+    orders = neighbourhoods(typical * CROP_EXPECTED, places, response.measured.keys.weight, cluster + 1)[cluster:]
     locks = grown_locks(response, CROP_EXPECTED, LOCK_STEPS[:LARGE_STEPS], orders, MOST_FIRST)
     for step, correction, tried in locks:
         yield _anew(place.then(correction), step, charge * tried)

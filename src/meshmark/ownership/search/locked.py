@@ -92,7 +92,7 @@ def grown_readings(
     expected = np.concatenate([LOCK_EXPECTED * drift, hypothesis.restoration.expected])
     places = response.measured.cells.nodes.astype(np.float64)
     typical = response.measured.turn(response.gradient, TYPICAL_STEP)
-    orders = neighbourhoods(typical * expected, places, CLUSTERS)
+    orders = neighbourhoods(typical * expected, places, response.measured.keys.weight, CLUSTERS)
     for step, correction, tried in grown_locks(response, expected, steps, orders, STRETCH_GRID):
         yield _again(shapes.corrected(hypothesis, correction), step, charge * tried)
 
