@@ -13,13 +13,15 @@ from meshmark.geometry.visibility import VisibleChange
 from meshmark.ownership.bumps import FRAME_ROWS, Bumps, frame_gradient, frame_values
 from meshmark.ownership.carriers.cells import measure_cells
 from meshmark.ownership.carriers.lattice import Lattice
+from meshmark.ownership.carriers.lattice_label import Label
 from meshmark.ownership.carriers.nodes import find_nodes
 from meshmark.ownership.carriers.selection import select_cells
 from meshmark.ownership.parameters import EMBED_SELECTION, LONGEST_SAMPLE
 from meshmark.ownership.visible_energy import visible_energy
 from tests.shapes import pebble
 
-LATTICE = Lattice.keyed(Key(bytes(range(32))), 0.25)
+LABEL = Label(bytes(16))
+LATTICE = Lattice.keyed(Key(bytes(range(32))), 0.25, LABEL)
 
 
 class Setting:

@@ -13,14 +13,16 @@ from meshmark.geometry.visibility import VisibleChange
 from meshmark.mesh import Mesh
 from meshmark.ownership.carriers.cells import measure_cells
 from meshmark.ownership.carriers.lattice import Lattice
+from meshmark.ownership.carriers.lattice_label import Label
 from meshmark.ownership.carriers.quantisation import bit_phase
 from meshmark.ownership.carriers.selection import select_cells
 from meshmark.ownership.parameters import EXTRACT_SELECTION, LONGEST_SAMPLE, NEEDED_BITS
 from meshmark.ownership.shaping import Shaping
 from tests.shapes import pebble
 
+LABEL = Label(bytes(16))
 KEY = Key(bytes(range(32)))
-LATTICE = Lattice.keyed(KEY, 0.21)
+LATTICE = Lattice.keyed(KEY, 0.21, LABEL)
 BITS = Codec(KEY).encode(0x0123456789ABCDEF)
 SURFACE = surface_of(Mesh(*pebble(96)))
 SEEN = VisibleChange(SURFACE.points, SURFACE.faces)

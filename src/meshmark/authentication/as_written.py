@@ -27,6 +27,7 @@ from meshmark.geometry.surface import Surface
 from meshmark.geometry.surface_of import surface_of
 from meshmark.mesh import FloatArray, IntArray, Mesh
 from meshmark.ownership.carriers.lattice import Lattice
+from meshmark.ownership.carriers.lattice_label import Label
 from meshmark.ownership.carriers.nodes import find_nodes
 from meshmark.ownership.carriers.pose import Pose
 from meshmark.ownership.carriers.quantisation import bit_phase
@@ -126,7 +127,7 @@ class _Reader:
 
     def __init__(self, surface: Surface, key: Key, certificate: Certificate) -> None:
         self._surface, self._step = surface, certificate.step
-        self._lattice = Lattice.keyed(key, certificate.spacing)
+        self._lattice = Lattice.keyed(key, certificate.spacing, Label.of_hex(certificate.lattice))
         self._frame = surface.frame
         canonical = self._frame.to_canonical(surface.points)
         self._sampler = plan_samples(canonical, surface.faces, LONGEST_SAMPLE * certificate.spacing)

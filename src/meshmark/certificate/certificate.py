@@ -3,8 +3,9 @@
 It holds landmarks (centres of smooth windows of the surface, with normals and descriptors), the canonical frame and
 the lattice's parameters: neither the surface nor anything of the key. The file is one JSON object:
 
-    format "meshmark certificate", version 3; other versions are refused
+    format "meshmark certificate", version 4; other versions are refused
     vertices, faces      counts of the marked model
+    lattice              label of the lattice among those of the key, 32 hexadecimal digits
     spacing, step        of the lattice, in canonical units and in spacings; strength subtle, standard or strong
     frame                of the marked model: centre, scale, axes (columns), moments, area, skewness
     landmarks            count, explains (see `geometry.landmarks.Landmarks`), and arrays in base64, little-endian
@@ -48,12 +49,14 @@ LONGEST = 200_000_000
 class Certificate:
     """What is kept of a marked model.
 
-    landmarks: in the canonical coordinates of `frame`, which is the marked model's; spacing, step, strength: of its
-    lattice; vertices, faces: of its file; more: further fields of the file, plain JSON values.
+    landmarks: in the canonical coordinates of `frame`, which is the marked model's; lattice: its label, 32
+    hexadecimal digits; spacing, step, strength: of it; vertices, faces: of its file; more: further fields of the
+    file, plain JSON values.
     """
 
     landmarks: Landmarks
     frame: Frame
+    lattice: str
     spacing: float
     step: float
     strength: str
@@ -70,6 +73,7 @@ class Certificate:
             "version": VERSION,
             "vertices": self.vertices,
             "faces": self.faces,
+            "lattice": self.lattice,
             "spacing": self.spacing,
             "step": self.step,
             "strength": self.strength,

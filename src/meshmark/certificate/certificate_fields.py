@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import json
+import re
 from typing import Any, Final, NoReturn
 
 import numpy as np
@@ -19,14 +20,26 @@ __all__ = ["FORMAT", "VERSION", "OldVersionError", "packed", "read_fields", "unp
 
 FORMAT: Final = "meshmark certificate"
 """What the field `format` says."""
-VERSION: Final = 3
+VERSION: Final = 4
 """Of the files that are written and read."""
 _MOST_LANDMARKS = 20_000
 # Larger numbers do not go into 16 bits; only thousands of sheets on top of each other could give them.
 _LARGEST = 6e4
 _WIDTHS = {"places": 3, "normals": 3, "masses": 1, "curvatures": 1, "descriptors": DESCRIPTOR_LENGTH}
 _TYPES = {"descriptors": "<f2"}
-_OWN = {"format", "version", "vertices", "faces", "spacing", "step", "strength", "frame", "landmarks"}
+_LABEL = re.compile(r"[0-9a-f]{32}")
+_OWN = {
+    "format",
+    "version",
+    "vertices",
+    "faces",
+    "lattice",
+    "spacing",
+    "step",
+    "strength",
+    "frame",
+    "landmarks",
+}
 
 
 class OldVersionError(InputError):
@@ -70,6 +83,7 @@ def read_fields(content: bytes) -> dict[str, Any]:
     return {
         "landmarks": unpacked(_table(values, "landmarks")),
         "frame": _frame(_table(values, "frame")),
+        "lattice": _label(values),
         "spacing": _number(values, "spacing", 1e-6, 1e3),
         "step": _number(values, "step", 1e-6, 1e3),
         "strength": strength,
@@ -81,6 +95,13 @@ def read_fields(content: bytes) -> dict[str, Any]:
 
 def _refuse(word: str) -> NoReturn:
     raise ValueError(word)
+
+
+def _label(values: dict[str, Any]) -> str:
+    label = values.get("lattice")
+    if not isinstance(label, str) or not _LABEL.fullmatch(label):
+        raise InputError("'lattice' is missing or not 32 hexadecimal digits")
+    return label
 
 
 def _table(values: dict[str, Any], name: str) -> dict[str, Any]:

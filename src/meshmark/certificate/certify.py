@@ -11,14 +11,22 @@ from meshmark.geometry.shown import Shown
 from meshmark.mesh import Mesh
 from meshmark.scene.surfaces import marked_surface, only_repeated
 
-__all__ = ["LANDMARKS", "certify"]
+__all__ = ["LANDMARKS", "NO_LATTICE", "certify"]
 
 LANDMARKS: Final = 400
 """Largest number of landmarks in a certificate."""
+NO_LATTICE: Final = "0" * 32
+"""The label in a certificate of a model without the ownership layer."""
 
 
 def certify(
-    mesh: Mesh, spacing: float, step: float, strength: str, *, repeated_only: bool = False
+    mesh: Mesh,
+    spacing: float,
+    step: float,
+    strength: str,
+    *,
+    lattice: str = NO_LATTICE,
+    repeated_only: bool = False,
 ) -> Certificate:
     """Return the certificate of a marked mesh.
 
@@ -31,6 +39,8 @@ def certify(
         Of the quantisation, in spacings.
     strength : str
         "subtle", "standard" or "strong".
+    lattice : str
+        Its label, 32 hexadecimal digits; that of a model without the ownership layer by default.
     repeated_only : bool
         The mark lies only in the part of the scene that is shown more than once.
 
@@ -52,6 +62,7 @@ def certify(
         # As the file holds them, so that a certificate is the same after a round trip.
         landmarks=unpacked(packed(landmarks)),
         frame=frame,
+        lattice=lattice,
         spacing=float(spacing),
         step=float(step),
         strength=strength,

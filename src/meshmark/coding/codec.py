@@ -61,8 +61,8 @@ class Decoded:
 class DecodedPair:
     """What an average of two copies decodes to.
 
-    ids: both, in rising order. log10_chances: bounds on the chance that random observations agree this well with any
-    word: of where the two differ, and of what they have in common.
+    ids: both, in rising order. log10_chances: bounds on the chance that random observations agree this well with
+    any word: of where the two differ, and of what they have in common.
     """
 
     ids: tuple[int, int]

@@ -13,6 +13,7 @@ from meshmark.geometry.areas import face_areas, vertex_areas
 from meshmark.geometry.connectivity import Connectivity
 from meshmark.geometry.extent import diagonal
 from meshmark.geometry.frame import Frame, canonical_frame
+from meshmark.geometry.invariants import shape_invariants
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["Surface"]
@@ -80,6 +81,11 @@ class Surface:
     def frame(self) -> Frame:
         """The canonical frame; raises `InputError` where there is no surface."""
         return canonical_frame(self.points, self.faces)
+
+    @cached_property
+    def invariants(self) -> FloatArray:
+        """The numbers that `shape_invariants` returns; raises `InputError` where there is no surface."""
+        return shape_invariants(self.points, self.faces, self.frame)
 
     def moved(self, points: FloatArray) -> Surface:
         """Return the surface with its points elsewhere; faces and connectivity are shared.

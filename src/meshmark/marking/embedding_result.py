@@ -104,8 +104,18 @@ class Embedding:
         from meshmark.certificate.certify import certify
 
         # The file has no way to say that there is no lattice: without the layer it names the first of the grid.
-        mark = self.ownership or OwnershipMark(carriers=0, spacing=float(SPACINGS[0]), step=float(STEPS[0]))
-        made = certify(self.mesh, mark.spacing, mark.step, self.strength, repeated_only=mark.repeated_only)
+        mark = self.ownership
+        if mark is None:
+            made = certify(self.mesh, float(SPACINGS[0]), float(STEPS[0]), self.strength)
+        else:
+            made = certify(
+                self.mesh,
+                mark.spacing,
+                mark.step,
+                self.strength,
+                lattice=str(mark.label),
+                repeated_only=mark.repeated_only,
+            )
         made = replace(made, more={**made.more, "layers": self.layers})
         return made if self.seal is None else self.seal(made)
 

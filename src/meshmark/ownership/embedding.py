@@ -19,6 +19,7 @@ from meshmark.geometry.visibility import VisibleChange
 from meshmark.io.file_precision import conform
 from meshmark.mesh import Mesh
 from meshmark.ownership.carriers.lattice import Lattice
+from meshmark.ownership.carriers.lattice_label import Label
 from meshmark.ownership.extraction import find
 from meshmark.ownership.ownership_mark import OwnershipMark
 from meshmark.ownership.parameters import (
@@ -133,8 +134,9 @@ def _shapings(task: _Task, bits: Bits) -> Iterator[Shaping]:
     surface = task.surface
     seen = VisibleChange(surface.points, surface.faces)
     rich, scarce = 0, []
+    label = Label.of_shape(surface.invariants, task.key)
     for spacing in preferred_spacings(surface.frame.area):
-        shaping = Shaping(surface, Lattice.keyed(task.key, spacing), bits, seen, task.share)
+        shaping = Shaping(surface, Lattice.keyed(task.key, spacing, label), bits, seen, task.share)
         if shaping.capacity < CARRIER_ENOUGH:
             scarce.append(shaping)
             continue
@@ -163,7 +165,9 @@ def _read_back(task: _Task, shaping: Shaping) -> Owned | None:
         if found.id == task.identity and not likeliest:
             found = find(replace(search, trials=TrialCounter()))
         if found.id == task.identity:
-            mark = OwnershipMark(carriers=found.carriers, spacing=shaping.spacing, step=float(step))
+            mark = OwnershipMark(
+                carriers=found.carriers, label=shaping.label, spacing=shaping.spacing, step=float(step)
+            )
             return Owned(mesh=marked, mark=mark)
     return None
 

@@ -35,8 +35,8 @@ MODES = {type(None): "blind", Certificate: "certificate", Mesh: "original"}
 class Found:
     """The reading that a search ended with, None where there was nothing to read, and the ids behind it.
 
-    present: a mark of this key is there. ids: one, several where copies were averaged, none where only the lock shows
-    it.
+    present: a mark of this key is there. ids: one, several where copies were averaged, none where only the lock
+    shows it.
     log10_false_positive: bound on the chance of this without a mark, over all that was tried.
     stopped: the time ran out before the search was at its end.
     """
@@ -105,8 +105,8 @@ def extract(
     Raises
     ------
     InputError
-        The search is unknown, the time limit not above 0, an id has more than 64 bits, the certificate of this key was edited, or the mesh has
-        no surface.
+        The search is unknown, the time limit not above 0, an id has more than 64 bits, the certificate of this key was
+        edited, or the mesh has no surface.
     """
     start = perf_counter()
     if search not in EFFORTS:
@@ -148,7 +148,9 @@ def find(search: Search) -> Found:
             for reading in strategy.readings(search) if strategy.applies(search) else ():
                 best = _better(best, reading)
                 limit = strategy.decode_below
-                if (limit is None or reading.log10_chance <= limit) and (found := _decoded(codec, reading, listed)):
+                if (limit is None or reading.log10_chance <= limit) and (
+                    found := _decoded(codec, reading, listed)
+                ):
                     return found
     except OutOfTimeError:
         stopped = True
@@ -267,9 +269,7 @@ def extraction_of(found: Found, codec: Codec, mode: str, seconds: float) -> Extr
             advice = f"The mark was read, though only {agreeing} of its {count} places still agree."
         if len(found.ids) > 1:
             advice = f"This is an average of copies with different ids; {len(found.ids)} of them were read."
-        evidence = tuple(
-            Evidence(layer="cells", id=each, log10_false_positive=bound) for each in found.ids
-        )
+        evidence = tuple(Evidence(layer="cells", id=each, log10_false_positive=bound) for each in found.ids)
         return Extraction(
             presence="present",
             id=found.id,

@@ -32,8 +32,8 @@ class Evidence:
 class Extraction:
     """What was read from a mesh.
 
-    presence: "present", "absent" or "inconclusive"; id: the 64-bit id, or None where none or several were read; ids:
-    all that were read, several of an average of copies.
+    presence: "present", "absent" or "inconclusive"; id: the 64-bit id, or None where none or several were read;
+    ids: all that were read, several of an average of copies.
     log10_false_positive: bound on the chance of this answer without a mark of this key, over all that was tried.
     mode: "blind", "certificate" or "original". carriers: cells read; carriers_agreeing: those whose bit is the
     decoded one's.

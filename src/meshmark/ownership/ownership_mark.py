@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from meshmark.ownership.carriers.lattice_label import Label
+
 __all__ = ["OwnershipMark"]
 
 
@@ -11,12 +13,13 @@ __all__ = ["OwnershipMark"]
 class OwnershipMark:
     """A mark of the ownership layer that was read back.
 
-    carriers: number of cells that an extraction reads. spacing: of the lattice, in canonical units. step: of the
-    quantisation, in spacings. repeated_only: the mark lies only in the part of the scene that is shown more than
-    once.
+    carriers: number of cells that an extraction reads. label, spacing: of the lattice, in canonical units.
+    step: of the quantisation, in spacings. repeated_only: the mark lies only in the part of the scene that is shown
+    more than once.
     """
 
     carriers: int
+    label: Label
     spacing: float
     step: float
     repeated_only: bool = False

@@ -27,6 +27,7 @@ __all__ = [
     "GATHER",
     "HOPELESS_BITS",
     "HOPELESS_ERROR",
+    "LABELS",
     "LARGE_STEPS",
     "LOCK_CANDIDATES",
     "LOCK_EXPECTED",
@@ -150,6 +151,8 @@ CROP_SPACINGS: Final = 2
 LARGE_STEPS: Final = 5
 # Number of spacings that are read in each frame that an original gives.
 ORIGINAL_SPACINGS: Final = 3
+# Number of labels of the lattice that are tried for each shape that a suspect may have had (decision 0020).
+LABELS: Final = {"plain": 2, "quick": 2, "wide": 4}
 # Number of turns of a frame that a quick search goes through.
 LOCK_TURNS: Final = 2
 # An axis more skew than this is not turned round by an attack.

@@ -21,6 +21,7 @@ from meshmark.mesh import FloatArray
 from meshmark.ownership.bumps import FRAME_ROWS, Bumps, frame_values, symmetric
 from meshmark.ownership.carriers.cells import Cells, measure_cells
 from meshmark.ownership.carriers.lattice import Lattice
+from meshmark.ownership.carriers.lattice_label import Label
 from meshmark.ownership.carriers.nodes import find_nodes
 from meshmark.ownership.carriers.quantisation import nearest_offsets
 from meshmark.ownership.carriers.selection import select_cells
@@ -87,6 +88,11 @@ class Shaping:
     def spacing(self) -> float:
         """Distance of the lattice's nodes, in units of the canonical scale."""
         return self._lattice.spacing
+
+    @property
+    def label(self) -> Label:
+        """Label of the lattice."""
+        return self._lattice.label
 
     def loudness(self, step: float) -> float:
         """Return the 95th percentile of the ratio by which a mark without compensation is seen, 1 just noticed."""

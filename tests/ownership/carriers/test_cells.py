@@ -9,17 +9,19 @@ from meshmark.geometry.open_edges import sample_open_edges
 from meshmark.geometry.sampling import Samples, plan_samples
 from meshmark.ownership.carriers.cells import border_gradient, cell_gradient, measure_cells
 from meshmark.ownership.carriers.lattice import Lattice
+from meshmark.ownership.carriers.lattice_label import Label
 from meshmark.ownership.carriers.nodes import find_nodes
 from meshmark.ownership.carriers.selection import select_cells
 from tests.counting import some
 from tests.shapes import pebble
 
+LABEL = Label(bytes(16))
 KEY = Key(bytes(range(32)))
 
 
 def placed_pebble(spacing: float = 0.3, across: int = 40):
     points, faces = pebble(across)
-    return Lattice.keyed(KEY, spacing).coordinates(points), faces
+    return Lattice.keyed(KEY, spacing, LABEL).coordinates(points), faces
 
 
 def brute_force(points, faces, node):

@@ -10,13 +10,15 @@ from meshmark.coding.keys import Key
 from meshmark.geometry.frame import canonical_frame
 from meshmark.geometry.sampling import plan_samples
 from meshmark.ownership.carriers.lattice import Lattice
+from meshmark.ownership.carriers.lattice_label import Label
 from meshmark.ownership.carriers.nodes import find_nodes
 from meshmark.ownership.carriers.pose import POSE_SIZE, Pose, pose_gradient
 from meshmark.ownership.parameters import LONGEST_SAMPLE
 from meshmark.ownership.search.measurement import place, read_cells
 from tests.shapes import pebble
 
-LATTICE = Lattice.keyed(Key(b"k" * 32), 0.25)
+LABEL = Label(bytes(16))
+LATTICE = Lattice.keyed(Key(b"k" * 32), 0.25, LABEL)
 
 
 @pytest.fixture(scope="module")

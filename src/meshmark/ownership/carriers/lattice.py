@@ -57,22 +57,23 @@ class Lattice:
     """
 
     spacing: float
+    label: Label
     axes: FloatArray
     shift: FloatArray
     _cells: bytes
 
     @classmethod
-    def keyed(cls, key: Key, spacing: float, label: Label | None = None) -> Lattice:
+    def keyed(cls, key: Key, spacing: float, label: Label) -> Lattice:
         """The lattice of this spacing and label under `key`.
 
         Each spacing has a shift and cells of its own, each label a turn as well: lattices of two labels have
-        nothing in common. Without a label it is the one that all models of the key share.
+        nothing in common.
         """
-        labelled = "" if label is None else f" of {label}"
-        purpose = f"lattice {spacing:.6f}{labelled}"
+        purpose = f"lattice {spacing:.6f} of {label}"
         return cls(
             spacing=spacing,
-            axes=rotation(key.subkey("lattice turn" + labelled)),
+            label=label,
+            axes=rotation(key.subkey(f"lattice turn of {label}")),
             shift=offset(key.subkey(purpose)),
             _cells=key.subkey(purpose + " cells"),
         )

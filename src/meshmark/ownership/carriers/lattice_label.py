@@ -55,6 +55,16 @@ class Label:
         subkey = key.subkey("lattice label")
         return cls(blake2b(data, digest_size=LABEL_BYTES, key=subkey, person=_PERSON).digest())
 
+    @classmethod
+    def of_hex(cls, text: str) -> Label:
+        """Return the label that `str` writes so."""
+        return cls(bytes.fromhex(text))
+
+    @classmethod
+    def of_shape(cls, invariants: FloatArray, key: Key) -> Label:
+        """Return the label of a shape as it stands, which its mark takes."""
+        return labels(invariants, key, most=1)[0]
+
     def __str__(self) -> str:
         return self.digest.hex()
 

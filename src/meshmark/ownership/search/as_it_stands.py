@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import product
 
 import numpy as np
 
@@ -30,11 +31,13 @@ def readings_as_it_stands(search: Search) -> Iterator[Reading]:
     frame = surface.frame
     canonical = frame.to_canonical(surface.points)
     rich = 0
+    labels = search.labels(surface.invariants)
     for spacing in search.spacings_for(frame.area):
-        lattice = search.lattice(spacing)
+        lattices = [search.lattice(spacing, label) for label in labels]
         samples = plan_samples(canonical, surface.faces, LONGEST_SAMPLE * spacing)(canonical)
         fewest = 0
-        for other in frame_alternatives(frame, search.wide, np.inf if search.wide else SURELY_SKEW):
+        others = frame_alternatives(frame, search.wide, np.inf if search.wide else SURELY_SKEW)
+        for lattice, other in product(lattices, others):
             cells = read_cells(samples, lattice, Pose.turned(frame.axes.T @ other.axes))
             fewest = min(fewest or len(cells.nodes), len(cells.nodes))
             if fewest < CARRIER_READABLE:

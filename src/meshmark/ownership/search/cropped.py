@@ -53,7 +53,7 @@ def cropped_readings(search: Search) -> Iterator[Reading]:
             pose = _pose(frames[0], frame)
             known = search.spacings
             for spacing in suspect.spacings(frame.area) if known is None else known:
-                place = _Place(samples=suspect.samples(spacing), lattice=search.lattice(spacing), pose=pose)
+                place = _Place(samples=suspect.samples(spacing), lattice=suspect.lattice(spacing), pose=pose)
                 yield from _grown(place, cluster, search.trials.charge())
 
 
@@ -73,13 +73,18 @@ class _Suspect:
             self._samples[spacing] = gathered(sampler(self._points), GATHER * longest)
         return self._samples[spacing]
 
+    def lattice(self, spacing: float) -> Lattice:
+        """Return the lattice of the likeliest label: that of the whole where little is gone."""
+        search = self._search
+        return search.lattice(spacing, search.labels(search.surface.invariants)[0])
+
     def spacings(self, area: float) -> list[float]:
         """Return those that an embedding into a whole of this canonical area is likeliest to have used."""
         return list(islice(filter(self._rich, preferred_spacings(area)), CROP_SPACINGS))
 
     def _rich(self, spacing: float) -> bool:
         if spacing not in self._carriers:
-            lattice = self._search.lattice(spacing)
+            lattice = self.lattice(spacing)
             cells = read_cells(self.samples(spacing), lattice, Pose.turned(np.eye(3)))
             self._carriers[spacing] = len(cells.nodes)
         return self._carriers[spacing] >= CROP_CARRIERS
@@ -116,7 +121,9 @@ def _grown(place: _Place, cluster: int, charge: float) -> Iterator[Reading]:
         return
     places = response.measured.cells.nodes.astype(np.float64)
     typical = response.measured.turn(response.gradient, TYPICAL_STEP)
-    orders = neighbourhoods(typical * CROP_EXPECTED, places, response.measured.keys.weight, cluster + 1)[cluster:]
+    orders = neighbourhoods(typical * CROP_EXPECTED, places, response.measured.keys.weight, cluster + 1)[
+        cluster:
+    ]
     locks = grown_locks(response, CROP_EXPECTED, LOCK_STEPS[:LARGE_STEPS], orders, MOST_FIRST)
     for step, correction, tried in locks:
         yield _anew(place.then(correction), step, charge * tried)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from meshmark.certificate.certificate import Certificate
+from meshmark.ownership.carriers.lattice_label import Label
 from meshmark.ownership.parameters import LOCK_STEPS, ORIGINAL_SPACINGS, preferred_spacings
 from meshmark.ownership.search.locked import grown_readings, locked_readings
 from meshmark.ownership.search.measurement import Reading
@@ -12,6 +13,7 @@ from meshmark.ownership.search.restoration import restorations, stretched
 from meshmark.ownership.search.search import Search
 from meshmark.ownership.search.shapes import Hypothesis, Shapes
 from meshmark.ownership.search.starting_frames import starting_frames
+from meshmark.scene.surfaces import marked_surface
 
 __all__ = ["registered_readings"]
 
@@ -26,11 +28,16 @@ def registered_readings(search: Search) -> Iterator[Reading]:
         return
     known = (reference.spacing,) if isinstance(reference, Certificate) else None
     steps = (reference.step,) if isinstance(reference, Certificate) else LOCK_STEPS
+    # The original has the very invariants that its mark was made from.
+    if isinstance(reference, Certificate):
+        label = Label.of_hex(reference.lattice)
+    else:
+        label = Label.of_shape(marked_surface(reference).invariants, search.key)
     held = []
     for frame in starting_frames(search.surface, reference):
         near = preferred_spacings(frame.area)[:ORIGINAL_SPACINGS] if known is None else known
         shapes = Shapes(search.surface, frame)
-        held += [(frame, shapes, search.lattice(spacing)) for spacing in near]
+        held += [(frame, shapes, search.lattice(spacing, label)) for spacing in near]
     for restoration in restorations(search.surface, frame_known=True) if held else ():
         for frame, shapes, lattice in held:
             hypothesis = Hypothesis(restoration=restoration, lattice=lattice, turned=frame)

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import islice
+from itertools import islice, product
 
-from meshmark.geometry.frame import Frame, frame_alternatives
+from meshmark.geometry.frame import frame_alternatives
+from meshmark.ownership.carriers.lattice_label import Label
 from meshmark.ownership.parameters import (
     CARRIER_ENOUGH,
     LOCK_STEPS,
@@ -33,17 +34,20 @@ def restored_readings(search: Search) -> Iterator[Reading]:
 def hypotheses(search: Search, shapes: Shapes, restoration: Restoration) -> Iterator[Hypothesis]:
     """Yield the spacings and turns of a restoration in its own frame."""
     frame = shapes.frame(restoration.shapes[0])
+    labels = search.labels(shapes.invariants(restoration.shapes[0]))
     known = search.spacings
-    for spacing in _rich_spacings(search, shapes, restoration, frame) if known is None else known:
+    for spacing in _rich_spacings(search, shapes, restoration, labels[0]) if known is None else known:
         turns = frame_alternatives(frame, search.wide, SURELY_SKEW)
-        for turned in turns if search.wide else islice(turns, LOCK_TURNS):
-            yield Hypothesis(restoration=restoration, lattice=search.lattice(spacing), turned=turned)
+        for turned, label in product(turns if search.wide else islice(turns, LOCK_TURNS), labels):
+            yield Hypothesis(restoration=restoration, lattice=search.lattice(spacing, label), turned=turned)
 
 
-def _rich_spacings(search: Search, shapes: Shapes, restoration: Restoration, frame: Frame) -> Iterator[float]:
+def _rich_spacings(search: Search, shapes: Shapes, restoration: Restoration, label: Label) -> Iterator[float]:
     """Yield the first spacing with carriers enough, or all such; none where the shape has fallen apart."""
+    shape = restoration.shapes[0]
+    frame = shapes.frame(shape)
     for spacing in preferred_spacings(frame.area):
-        carriers = shapes.carriers(restoration.shapes[0], search.lattice(spacing), frame)
+        carriers = shapes.carriers(shape, search.lattice(spacing, label), frame)
         if len(carriers.nodes) < CARRIER_ENOUGH:
             continue
         yield spacing

@@ -8,9 +8,10 @@ from dataclasses import dataclass, field
 from meshmark.certificate.certificate import Certificate
 from meshmark.coding.keys import Key
 from meshmark.geometry.surface import Surface
-from meshmark.mesh import Mesh
+from meshmark.mesh import FloatArray, Mesh
 from meshmark.ownership.carriers.lattice import Lattice
-from meshmark.ownership.parameters import preferred_spacings
+from meshmark.ownership.carriers.lattice_label import Label, labels
+from meshmark.ownership.parameters import LABELS, preferred_spacings
 from meshmark.ownership.search.trials import TrialCounter
 
 __all__ = ["EFFORTS", "Search"]
@@ -28,7 +29,8 @@ class Search:
     "quick" also undoes common damage; "wide" also exchanges axes of nearly equal moments and reads every spacing.
     copies: further surfaces that may carry the mark, where a scene shows meshes several times (used up once).
     spacings: lattice spacings to read, None: all that an embedding may have chosen. reference: the certificate
-    of the mark or the unmarked original. among: ids of which one may be there. trials: numbers every reading of this search.
+    of the mark or the unmarked original. among: ids of which one may be there. label: of the
+    lattice; None: found from the shape. trials: numbers every reading of this search.
     """
 
     surface: Surface
@@ -38,6 +40,7 @@ class Search:
     reference: Certificate | Mesh | None = None
     copies: Iterable[Surface] = ()
     among: tuple[int, ...] = ()
+    label: Label | None = None
     trials: TrialCounter = field(default_factory=TrialCounter)
 
     @property
@@ -50,9 +53,13 @@ class Search:
         """Return whether the mesh is so coarse that its mark may lie in what restorations filter off."""
         return len(self.surface.points) <= COARSE
 
-    def lattice(self, spacing: float) -> Lattice:
-        """Return the key's lattice."""
-        return Lattice.keyed(self.key, spacing)
+    def labels(self, invariants: FloatArray) -> tuple[Label, ...]:
+        """Return the labels of the lattices that a shape of these invariants may carry, likeliest first."""
+        return labels(invariants, self.key, LABELS[self.effort]) if self.label is None else (self.label,)
+
+    def lattice(self, spacing: float, label: Label) -> Lattice:
+        """Return the key's lattice of this spacing and label."""
+        return Lattice.keyed(self.key, spacing, label)
 
     def spacings_for(self, area: float) -> Iterable[float]:
         """Return the spacings to read on a surface of this canonical area, likeliest first."""

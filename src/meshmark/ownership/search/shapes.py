@@ -8,6 +8,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from meshmark.geometry.frame import Frame, canonical_frame, frame_alternatives
+from meshmark.geometry.invariants import shape_invariants
 from meshmark.geometry.sampling import Sampler, Samples, gathered, plan_samples
 from meshmark.geometry.surface import Surface
 from meshmark.mesh import FloatArray
@@ -53,8 +54,9 @@ class Shapes:
     def __init__(self, surface: Surface, fixed: Frame | None = None) -> None:
         self._faces, self._fixed = surface.faces, fixed
         self._frames: WeakKeyDictionary[Shape, Frame] = WeakKeyDictionary()
+        self._invariants: WeakKeyDictionary[Shape, FloatArray] = WeakKeyDictionary()
         self._samples: WeakKeyDictionary[Shape, dict[float, Samples]] = WeakKeyDictionary()
-        self._cells: WeakKeyDictionary[Shape, dict[tuple[float, bytes], Cells]] = WeakKeyDictionary()
+        self._cells: WeakKeyDictionary[Shape, dict[tuple[float, str, bytes], Cells]] = WeakKeyDictionary()
         self._samplers: dict[float, Sampler] = {}
 
     def frame(self, shape: Shape) -> Frame:
@@ -66,6 +68,17 @@ class Shapes:
         if shape not in self._frames:
             self._frames[shape] = canonical_frame(shape.points, self._faces)
         return self._frames[shape]
+
+    def invariants(self, shape: Shape) -> FloatArray:
+        """Return the invariants of a shape, or of the one in whose frame it lies."""
+        if shape.framed_by is not None:
+            return self.invariants(shape.framed_by)
+        if shape not in self._invariants:
+            frame = (
+                canonical_frame(shape.points, self._faces) if self._fixed is not None else self.frame(shape)
+            )
+            self._invariants[shape] = shape_invariants(shape.points, self._faces, frame)
+        return self._invariants[shape]
 
     def samples(self, shape: Shape, spacing: float) -> Samples:
         """Return the canonical samples of a shape."""
@@ -82,7 +95,7 @@ class Shapes:
         """Return all cells of a shape, its frame turned as `turned` is."""
         pose = self._pose(shape, turned)
         known = self._cells.setdefault(shape, {})
-        name = lattice.spacing, (np.round(pose.turn) + 0.0).tobytes()
+        name = lattice.spacing, str(lattice.label), (np.round(pose.turn) + 0.0).tobytes()
         if name not in known:
             known[name] = place(self.samples(shape, lattice.spacing), lattice, pose)
         return known[name]

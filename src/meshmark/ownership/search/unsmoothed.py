@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import islice
+from itertools import islice, product
 from typing import Final
 
 import numpy as np
@@ -21,12 +21,14 @@ from meshmark.geometry.sampling import plan_samples
 from meshmark.geometry.scale_space import random_walk, spectral_filters
 from meshmark.geometry.surface import Surface
 from meshmark.mesh import FloatArray
+from meshmark.ownership.carriers.lattice import Lattice
 from meshmark.ownership.carriers.pose import Pose
 from meshmark.ownership.carriers.quantisation import lock_score, log10_lock_chance
 from meshmark.ownership.parameters import (
     CARRIER_PLENTY,
     CARRIER_READABLE,
     CREDIBLE_LOG10,
+    LABELS,
     LOCK_STEPS,
     LOCK_TURNS,
     LONGEST_SAMPLE,
@@ -66,14 +68,14 @@ class _Guess:
     log10_chance: float
     points: FloatArray
     frame: Frame
-    spacing: float
+    lattice: Lattice
     step: float
 
     def read(self, search: Search, hypotheses: float) -> Reading:
         """Measure the shape anew, with all samples instead of gathered ones."""
-        lattice = search.lattice(self.spacing)
+        lattice = self.lattice
         canonical = self.frame.to_canonical(self.points)
-        sampler = plan_samples(canonical, search.surface.faces, LONGEST_SAMPLE * self.spacing)
+        sampler = plan_samples(canonical, search.surface.faces, LONGEST_SAMPLE * lattice.spacing)
         measured = Measurement.of(lattice, read_cells(sampler(canonical), lattice, Pose.turned(np.eye(3))))
         return Reading.of(measured, self.step, measured.phase(self.step), hypotheses)
 
@@ -82,7 +84,7 @@ def unsmoothed_readings(search: Search) -> Iterator[Reading]:
     """Yield each reading whose lock is credible, of all that may have been done; none of a fine mesh."""
     if not search.is_coarse:
         return
-    shapes, tried = Shapes(search.surface), TRIED * TURNS[search.wide]
+    shapes, tried = Shapes(search.surface), TRIED * TURNS[search.wide] * LABELS[search.effort]
     for points in _before(search.surface):
         for guess in _guesses(search, shapes, points):
             if guess.log10_chance + np.log10(tried) < CREDIBLE_LOG10:
@@ -116,11 +118,12 @@ def _guesses(search: Search, shapes: Shapes, points: FloatArray) -> Iterator[_Gu
     shape = Shape(points)
     frame = shapes.frame(shape)
     turns = list(frame_alternatives(frame, search.wide, SURELY_SKEW))
+    labels = search.labels(shapes.invariants(shape))
     rich = 0
     for spacing in search.spacings_for(frame.area):
-        lattice = search.lattice(spacing)
+        lattices = [search.lattice(spacing, label) for label in labels]
         count = 0
-        for turned in islice(turns, TURNS[search.wide]):
+        for lattice, turned in product(lattices, islice(turns, TURNS[search.wide])):
             measured = Measurement.of(lattice, shapes.carriers(shape, lattice, turned))
             count = len(measured)
             if count < CARRIER_READABLE:
@@ -129,7 +132,7 @@ def _guesses(search: Search, shapes: Shapes, points: FloatArray) -> Iterator[_Gu
             best = int(scores.argmax())
             chance = log10_lock_chance(float(scores[best]), count)
             yield _Guess(
-                log10_chance=chance, points=points, frame=turned, spacing=spacing, step=LOCK_STEPS[best]
+                log10_chance=chance, points=points, frame=turned, lattice=lattice, step=LOCK_STEPS[best]
             )
         rich += count >= CARRIER_PLENTY
         if rich == SPACING_TRIES:

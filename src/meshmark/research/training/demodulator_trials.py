@@ -29,13 +29,11 @@ from meshmark.ownership.carriers.pose import POSE_SIZE, Pose, pose_gradient
 from meshmark.ownership.carriers.quantisation import bit_phase, lock_score
 from meshmark.ownership.carriers.relief import Relief, measure_relief
 from meshmark.ownership.embedding import embed
-from meshmark.ownership.extraction import find
 from meshmark.ownership.observation import Observation
 from meshmark.ownership.parameters import CARRIER_READABLE, LONGEST_SAMPLE
 from meshmark.ownership.phase_correction import best_correction, corrected_phase
 from meshmark.ownership.search.measurement import read_cells
 from meshmark.ownership.search.restoration import Restoration, restorations
-from meshmark.ownership.search.search import Search
 
 __all__ = ["ATTACKED", "LOST", "Marked", "Trial", "mark", "trials"]
 
@@ -98,21 +96,16 @@ def mark(mesh: Mesh, rng: np.random.Generator, strength: str = "standard") -> Ma
     """Return the model marked with a drawn key and id, or None where it has no room for a mark."""
     key, identity = Key(rng.bytes(32)), int.from_bytes(rng.bytes(8), "big")
     try:
-        marked = embed(mesh, key, id=identity, strength=strength).mesh
+        owned = embed(mesh, key, id=identity, strength=strength)
     except CapacityError:
         return None
-    surface = weld(marked)
-    reading = find(Search(surface=surface, key=key)).reading
-    if reading is None:
-        return None
-    frame = canonical_frame(surface.points, surface.faces)
+    surface = weld(owned.mesh)
     codec = Codec(key)
-    lattice = Lattice.keyed(key, reading.spacing)
     return Marked(
-        mesh=marked,
-        frame=frame,
-        lattice=lattice,
-        step=reading.step,
+        mesh=owned.mesh,
+        frame=canonical_frame(surface.points, surface.faces),
+        lattice=Lattice.keyed(key, owned.mark.spacing, owned.mark.label),
+        step=owned.mark.step,
         codec=codec,
         bits=codec.encode(identity),
         identity=identity,
