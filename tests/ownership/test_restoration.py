@@ -64,7 +64,9 @@ def test_where_the_frame_is_known_no_shape_is_read_twice():
 
 def test_a_shape_that_filtering_shrinks_to_nothing_is_no_frame():
     """In its frame the surface would be a hundred times as large, of so many cells that memory runs out."""
-    triangle = surface_of(Mesh(np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]), np.array([[0, 1, 2]])))
+    triangle = surface_of(
+        Mesh(np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]), np.array([[0, 1, 2]]))
+    )
     shapes = Shapes(triangle)
     for restoration in some(restorations(triangle)):
         for shape in restoration.shapes:

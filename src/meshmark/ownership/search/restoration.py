@@ -105,7 +105,7 @@ def restorations(surface: Surface, frame_known: bool = False) -> Iterator[Restor
 
 
 def _holds(points: FloatArray, filtered: FloatArray) -> bool:
-    """Return whether a filter leaves the size of a shape about as it was: a few large triangles shrink to nothing."""
+    """Return whether a filter leaves the size of a shape about as it was; few large triangles shrink to nothing."""
     return float(np.linalg.norm(filtered)) > HELD * float(np.linalg.norm(points))
 
 
