@@ -61,6 +61,9 @@ def decoded(codec: Codec, reading: Reading, listed: Listed) -> Found | None:
     credible = reading.log10_chance + log10(reading.hypotheses) < CREDIBLE_LOG10
     if credible and (pair := _pair(codec, reading, observed)) is not None:
         return pair
+    named = _among(codec, reading, observed, listed)
+    if named is not None and len(named.ids) > 1:  # of an average the likeliest word alone is one of them
+        return named
     limit = PROVEN_LOG10 if credible else CHECK_WORD_LIMIT
     for signed in (observed, -observed) if credible else (observed,):
         word = codec.decode(signed, limit)
@@ -68,7 +71,7 @@ def decoded(codec: Codec, reading: Reading, listed: Listed) -> Found | None:
         bound = _log10_bound(chance, reading.hypotheses)
         if word.id is not None and bound <= PRESENT_LOG10:
             return Found(reading=reading, ids=(word.id,), present=True, log10_false_positive=bound)
-    return _among(codec, reading, observed, listed)
+    return named
 
 
 def _pair(codec: Codec, reading: Reading, observed: FloatArray) -> Found | None:
