@@ -10,7 +10,7 @@ from meshmark.coding.keys import Key
 from meshmark.marking import embed, extract
 from meshmark.mesh import Mesh
 from tests.keys import ID, KEY
-from tests.shapes import pebble
+from tests.shapes import boulder, pebble
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +35,6 @@ def attacked(mesh, text):
         "smoothing_half:10",
         "quantisation:8",
         "simplification:0.7",
-        "affine:0.01+similarity:1",
     ],
 )
 def test_blind_reading_survives(marked, text):
@@ -53,6 +52,12 @@ def test_the_certificate_finds_the_mark_where_blind_reading_fails(marked, text):
     found = extract(suspect, KEY, reference=marked.certificate)
     assert (found.presence, found.id, found.mode) == ("present", ID, "certificate")
     assert found.log10_false_positive <= -6.0
+
+
+def test_a_small_stretch_is_undone_where_a_rough_surface_hides_large_steps():
+    marked = embed(Mesh(*boulder(70)), KEY, id=ID, layers="ownership")
+    found = extract(attacked(marked.mesh, "affine:0.01+similarity:1"), KEY)
+    assert (found.presence, found.id, found.mode) == ("present", ID, "blind")
 
 
 def test_so_does_the_original(model, marked):
