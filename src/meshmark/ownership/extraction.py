@@ -105,8 +105,8 @@ def extract(
     Raises
     ------
     InputError
-        The search is unknown, the time limit not above 0, an id has more than 64 bits, the certificate of this key was
-        edited, or the mesh has no surface.
+        The search is unknown, the time limit not above 0, an id has more than 64 bits, the certificate of this key
+        was edited, or the mesh has no surface.
     """
     start = perf_counter()
     if search not in EFFORTS:

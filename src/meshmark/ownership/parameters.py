@@ -138,7 +138,7 @@ TYPICAL_STEP: Final = 0.1
 # Number of peaks of the lock that are polished for each step, and number of corrections of a reading that are
 # decoded.
 LOCK_PEAKS: Final = 6
-LOCK_CANDIDATES: Final = 8
+LOCK_CANDIDATES: Final = 5
 # A lock less likely than 10^this by chance, over its own search, is worth measuring anew where it puts the model.
 CREDIBLE_LOG10: Final = -0.5
 # Frames that a cropped model may have had, so far apart (RMS motion over scale); the standard deviation of what is
