@@ -42,6 +42,16 @@ def pebble(across: int = 72) -> tuple[FloatArray, IntArray]:
     return unit * radius[:, None] * [1.6, 1.2, 1.0], faces
 
 
+def boulder(across: int = 72, relief: float = 0.01) -> tuple[FloatArray, IntArray]:
+    """A pebble with a rough surface, which hides more of a mark; relief: RMS, the pebble being about 3 long."""
+    points, faces = pebble(across)
+    random = np.random.default_rng(5)
+    waves = random.normal(size=(3, 60))
+    waves *= random.uniform(12.0, 30.0, 60) / np.linalg.norm(waves, axis=0)
+    bumps = np.sin(points @ waves + random.uniform(0.0, 2.0 * np.pi, 60)).sum(axis=1) / np.sqrt(30.0)
+    return points * (1.0 + relief * bumps)[:, None], faces
+
+
 def hoop(long: int = 2500, around: int = 6, thin: float = 0.0015) -> tuple[FloatArray, IntArray]:
     """A closed wavy tube, very thin: even rings that are a thousandth of the whole; long * around points."""
     along, about = np.meshgrid(

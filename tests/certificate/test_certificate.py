@@ -11,12 +11,13 @@ from meshmark.errors import InputError, OutputError
 from meshmark.mesh import Mesh
 from tests.geometry.registering import lump
 
+LABEL = "0123456789abcdef" * 2
 ARRAYS = ("places", "normals", "masses", "curvatures", "descriptors")
 
 
 @pytest.fixture(scope="module")
 def certificate() -> Certificate:
-    return certify(Mesh(*lump(48)), 0.25, 0.06, "standard")
+    return certify(Mesh(*lump(48)), 0.25, 0.06, "standard", lattice=LABEL)
 
 
 @pytest.fixture
@@ -35,7 +36,7 @@ def test_a_saved_certificate_loads_as_the_same(certificate, tmp_path):
         np.testing.assert_array_equal(getattr(again.frame, name), getattr(certificate.frame, name))
     assert (again.frame.scale, again.frame.area) == (certificate.frame.scale, certificate.frame.area)
     assert again.landmarks.explains == certificate.landmarks.explains
-    assert (again.spacing, again.step, again.strength) == (0.25, 0.06, "standard")
+    assert (again.spacing, again.step, again.strength, again.lattice) == (0.25, 0.06, "standard", LABEL)
     assert (
         (again.vertices, again.faces)
         == (certificate.vertices, certificate.faces)
@@ -46,7 +47,7 @@ def test_a_saved_certificate_loads_as_the_same(certificate, tmp_path):
 
 def test_the_same_mesh_gives_the_same_file(certificate, tmp_path):
     certificate.save(tmp_path / "one")
-    certify(Mesh(*lump(48)), 0.25, 0.06, "standard").save(tmp_path / "other")
+    certify(Mesh(*lump(48)), 0.25, 0.06, "standard", lattice=LABEL).save(tmp_path / "other")
     assert (tmp_path / "one").read_bytes() == (tmp_path / "other").read_bytes()
 
 
@@ -86,9 +87,11 @@ def test_what_is_no_certificate_is_refused(name, tmp_path):
 
 
 CHANGES = {
-    "version": (("version",), 4, "its version is 4, expected 3"),
+    "version": (("version",), 5, "its version is 5, expected 4"),
     "strength": (("strength",), "huge", "unknown strength 'huge', expected one of subtle"),
     "spacing": (("spacing",), -1.0, "'spacing' is out of range, expected"),
+    "lattice": (("lattice",), "0" * 31, "'lattice' is missing or not 32 hexadecimal digits"),
+    "capitals": (("lattice",), "A" * 32, "'lattice' is missing or not"),
     "step": (("step",), True, "'step' is missing or no number"),
     "vertices": (("vertices",), 1.5, "'vertices' is missing or no whole number"),
     "landmarks": (("landmarks",), [], "'landmarks' is missing or no object"),
@@ -98,7 +101,7 @@ CHANGES = {
     "axes": (("frame", "axes"), [[1, 0, 0], [0, 1, 0], [0, 0, -1]], "'axes' is not a rotation"),
     "centre": (("frame", "centre"), [1, 2], "'centre' is missing, or not 3 finite numbers"),
     "no name": (("strength",), ["subtle"], "unknown strength"),
-    "true": (("version",), True, "its version is True, expected 3"),
+    "true": (("version",), True, "its version is True, expected 4"),
     "large": (("faces",), 10**400, "'faces' is out of range"),
     "large scale": (("frame", "scale"), 10**400, "'scale' is out of range"),
     "big": (("frame", "centre"), [1, 2, 10**400], "'centre' is missing, or not 3 finite numbers"),
@@ -117,11 +120,11 @@ def test_a_field_that_is_wrong_is_named(name, values, tmp_path):
         Certificate.load(tmp_path / "bad")
 
 
-@pytest.mark.parametrize("version", [1, 2])
+@pytest.mark.parametrize("version", [1, 2, 3])
 def test_an_older_version_is_refused_in_one_sentence(version, values, tmp_path):
     (tmp_path / "old").write_text(json.dumps({**values, "version": version}))
     with pytest.raises(
-        InputError, match=f"old is a certificate of version {version}, expected 3: older ones are sealed"
+        InputError, match=f"old is a certificate of version {version}, expected 4: marks of earlier versions"
     ) as told:
         Certificate.load(tmp_path / "old")
     assert "is not a meshmark certificate" not in str(told.value)

@@ -199,7 +199,7 @@ def test_info_of_a_certificate_tells_what_is_public(cli, folder, files):
     ran = cli("info", "my.cert", "--json")
     told = only_object(ran.out)
     assert told["kind"] == "meshmark certificate"
-    assert (told["certificate_version"], told["layers"], told["strength"]) == (3, "ownership", "standard")
+    assert (told["certificate_version"], told["layers"], told["strength"]) == (4, "ownership", "standard")
     assert (told["vertices"], told["faces"]) == (25178, 50360)
     assert told["takes_mark_off"] is True
     assert len(told["model_digest"]) == 16

@@ -139,6 +139,52 @@ def shortened(monkeypatch):
         monkeypatch.setattr(module, "LOCK_STEPS", module.LOCK_STEPS[:1])
 
 
+def test_extract_among_listed_ids_names_the_one_that_is_there(cli, files, tmp_path):
+    (tmp_path / "ids.txt").write_text(
+        f"# issued\n\n{'0' * 16}\n  {IDENTITY.upper()}  # to Ann\n", encoding="utf-8"
+    )
+    found = only_object(
+        cli("extract", files.marked, "--key", files.key, "--among", tmp_path / "ids.txt", "--json").out
+    )
+    assert (found["presence"], found["id"], found["ids"]) == ("present", IDENTITY, [IDENTITY])
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (
+            b"0000000000000000\n12\n",
+            "ids.txt, line 2: the id '12' is not valid, expected 16 hexadecimal digits",
+        ),
+        (b"# none\n\n", "ids.txt lists no ids, expected one of 16 hexadecimal digits a line"),
+        (b"\xff\xfe\x00", "ids.txt is no text, expected one id of 16 hexadecimal digits a line"),
+        (None, "cannot read the ids in"),
+    ],
+)
+def test_a_list_of_ids_that_cannot_be_used_is_refused_in_one_sentence(cli, files, tmp_path, content, message):
+    if content is not None:
+        (tmp_path / "ids.txt").write_bytes(content)
+    ran = cli("extract", files.marked, "--key", files.key, "--among", tmp_path / "ids.txt")
+    assert (ran.code, ran.out) == (2, "")
+    assert message in ran.err
+    assert ran.err.count("\n") == 1
+
+
+def test_several_ids_are_all_named(cli, files, monkeypatch):
+    from dataclasses import replace
+
+    import meshmark.marking as scheme
+
+    one = scheme.extract(mm.read_mesh(files.marked), mm.Key.load(files.key))
+    several = replace(one, id=None, ids=(1, 2, 3), advice="An average.")
+    monkeypatch.setattr(scheme, "extract", lambda *_, **__: several)
+    ran = cli("extract", files.marked, "--key", files.key)
+    assert ran.code == 0
+    assert f"carries the ids {1:016x}, {2:016x} and {3:016x}; chance" in ran.out
+    found = only_object(cli("extract", files.marked, "--key", files.key, "--json").out)
+    assert (found["id"], found["ids"]) == (None, [f"{each:016x}" for each in (1, 2, 3)])
+
+
 @pytest.mark.parametrize("search", ["quick", "wide"])
 def test_extract_from_an_unmarked_model_exits_with_1(cli, files, shortened, search):
     ran = cli("extract", files.model, "--key", files.key, "--search", search, "--json")
@@ -157,7 +203,7 @@ def test_extract_that_cannot_tell_exits_with_3(cli, files, monkeypatch):
     import meshmark.marking as scheme
 
     sure = scheme.extract(mm.read_mesh(files.marked), mm.Key.load(files.key))
-    unsure = replace(sure, presence="inconclusive", id=None, advice="The model is too small.")
+    unsure = replace(sure, presence="inconclusive", id=None, ids=(), advice="The model is too small.")
     monkeypatch.setattr(scheme, "extract", lambda *_, **__: unsure)
     ran = cli("extract", files.model, "--key", files.key)
     assert ran.code == 3

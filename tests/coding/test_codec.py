@@ -27,6 +27,16 @@ def observe(identity: int, carriers: int, error: float, rng: np.random.Generator
     return np.bincount(index, seen, CODEC.n)
 
 
+def average_of(
+    one: int, other: int, carriers: int, rng: np.random.Generator
+) -> tuple[np.ndarray, np.ndarray]:
+    """Observations of an average of two copies: which bit where they agree, a fair coin elsewhere; and where."""
+    index = rng.integers(0, CODEC.n, carriers)
+    bits, same = CODEC.encode(one)[index], CODEC.encode(one)[index] == CODEC.encode(other)[index]
+    seen = np.where(same, 1.0 - 2.0 * bits, rng.choice([-1.0, 1.0], carriers))
+    return np.bincount(index, seen, CODEC.n), np.bincount(index, np.where(same, 1.0, -1.0), CODEC.n)
+
+
 @settings(max_examples=30)
 @given(IDS, st.integers(120, 3000), st.integers(0, 2**32))
 def test_an_id_comes_back_from_clean_carriers(identity: int, carriers: int, seed: int) -> None:
@@ -99,6 +109,54 @@ def test_a_message_of_zeros_is_nothing_special() -> None:
         word = CODEC.encode(identity)
         assert abs(word.mean() - 0.5) < 0.04
         assert abs((word != OTHER.encode(identity)).mean() - 0.5) < 0.04
+
+
+def test_both_ids_of_an_average_come_back() -> None:
+    rng = np.random.default_rng(12)
+    one, other = 0x0123456789ABCDEF, 0xFEDCBA9876543210
+    alike, differ = average_of(one, other, 1200, rng)
+    pair = CODEC.decode_pair(alike, differ)
+    assert pair.ids == (one, other)
+    assert max(pair.log10_chances) < CHECK_WORD_LIMIT
+    assert CODEC.decode_pair(9.0 * alike, 0.1 * differ).ids == pair.ids
+
+
+def test_one_id_is_no_average_and_no_mark_no_pair() -> None:
+    rng = np.random.default_rng(13)
+    alike, differ = average_of(77, 77, 1200, rng)
+    assert CODEC.decode_pair(alike, differ).log10_chances[0] == 0.0
+    alike, differ = (rng.choice([-1.0, 0.0, 1.0], CODEC.n) for _ in range(2))
+    assert min(CODEC.decode_pair(alike, differ).log10_chances) > -3.0
+
+
+def test_listed_ids_are_told_apart_by_fewer_carriers_than_all_ids() -> None:
+    rng = np.random.default_rng(14)
+    llr = observe(5, 60, 0.05, rng)
+    assert CODEC.decode(llr).id is None
+    words = CODEC.words([3, 4, 5, 6])
+    chances = CODEC.chances(llr, words)
+    assert chances.argmin() == 2
+    assert chances[2] < CHECK_WORD_LIMIT
+    assert (np.delete(chances, 2) > -3.0).all()
+
+
+def test_a_longer_list_asks_for_as_much_more() -> None:
+    llr = observe(5, 60, 0.05, np.random.default_rng(15))
+    few = CODEC.chances(llr, CODEC.words([5]))[0]
+    many = CODEC.chances(llr, CODEC.words(list(range(64))))[5]
+    assert many - few == pytest.approx(6 * log10(2.0))
+
+
+def test_words_are_the_code_bits_of_ids() -> None:
+    assert np.array_equal(CODEC.words([1, 2]), [CODEC.encode(1), CODEC.encode(2)])
+    assert CODEC.words([]).shape == (0, CODEC.n)
+    with pytest.raises(InputError, match="64-bit"):
+        CODEC.words([-1])
+    for wrong in (np.zeros(3), np.full(CODEC.n, np.nan)):
+        with pytest.raises(InputError, match="expected 4096 finite numbers"):
+            CODEC.chances(wrong, CODEC.words([1]))
+        with pytest.raises(InputError, match="expected 4096 finite numbers"):
+            CODEC.decode_pair(np.zeros(CODEC.n), wrong)
 
 
 def test_the_code_never_changes() -> None:

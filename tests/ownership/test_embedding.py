@@ -2,20 +2,27 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
+from meshmark.attacks import parse_chain
 from meshmark.coding.keyed import rotation
 from meshmark.coding.keys import Key
 from meshmark.errors import CapacityError, InputError
 from meshmark.geometry.frame import canonical_frame
+from meshmark.geometry.surface_of import surface_of
+from meshmark.geometry.visibility import VisibleChange
 from meshmark.marking import Embedding, extract
 from meshmark.marking import embed as embed_layers
 from meshmark.mesh import Mesh
 from meshmark.ownership.embedding import embed as embed_ownership
-from meshmark.strengths import BUDGETS
+from meshmark.ownership.extraction import find
+from meshmark.ownership.search.search import Search
+from meshmark.ownership.search.trials import TrialCounter
+from meshmark.strengths import BUDGETS, VISIBLE_SHARES
 from tests.keys import ID, KEY, OTHER
 from tests.shapes import pebble
 
@@ -40,12 +47,13 @@ def subdivide(mesh: Mesh) -> Mesh:
 
 
 @pytest.mark.parametrize("strength", list(BUDGETS))
-def test_every_strength_keeps_its_budget_and_is_read(model, strength):
+def test_every_strength_keeps_its_budget_is_seen_no_more_than_it_may_and_is_read(model, strength):
     result = embed(model, KEY, id=ID, strength=strength)
     moved = np.sqrt(((result.mesh.vertices - model.vertices) ** 2).sum(axis=1).mean())
     diagonal = np.linalg.norm(np.ptp(model.vertices, axis=0))
     assert moved / diagonal <= BUDGETS[strength]
-    assert moved / diagonal >= 0.6 * BUDGETS[strength]  # the budget is used
+    seen = VisibleChange(model.vertices, model.faces).of(result.mesh.vertices)
+    assert seen.share <= 1.2 * VISIBLE_SHARES[strength] + 0.005
     assert result.rms_over_diagonal == pytest.approx(moved / diagonal)
     assert extract(result.mesh, KEY).id == ID
 
@@ -63,8 +71,8 @@ def test_the_id_survives_what_leaves_the_shape_alone(marked):
     for name, mesh in variants.items():
         found = extract(mesh, KEY)
         assert (found.presence, found.id) == ("present", ID), name
-        assert found.log10_false_positive < -50
-        assert found.carriers_agreeing > 0.97 * found.carriers
+        assert found.log10_false_positive < -40
+        assert found.carriers_agreeing > 0.85 * found.carriers
 
 
 def test_frame_of_the_marked_surface_is_the_frame_of_the_original(model, marked):
@@ -108,7 +116,7 @@ def test_vertices_outside_the_surface_do_not_move(model):
 def test_a_symmetric_shape_gets_axes_of_its_own(model):
     unit = model.vertices / np.linalg.norm(model.vertices, axis=1)[:, None]
     ball = Mesh(unit, model.faces)
-    result = embed(ball, KEY, id=ID)
+    result = embed(ball, KEY, id=ID, strength="strong")
     turned = Mesh((result.mesh.vertices @ rotation(b"u" * 32).T).astype(np.float32).astype(float), ball.faces)
     assert extract(turned, KEY).id == ID
     assert -np.diff(canonical_frame(turned.vertices, turned.faces).moments).max() > 5e-4
@@ -147,6 +155,26 @@ def test_a_stray_vertex_does_not_stretch_the_budget(model):
 def test_any_unit_will_do(model, scale):
     result = embed(Mesh(model.vertices * scale, model.faces), KEY, id=ID, layers=None)
     assert extract(result.mesh, KEY).id == ID
+
+
+def test_models_have_lattices_of_their_own_under_one_key(model, marked):
+    """What is learned of one model's lattice helps with no other: there the very same key reads nothing by it."""
+    other = embed(model.with_vertices(model.vertices * [1.0, 1.0, 1.5]), KEY, id=ID)
+    assert other.ownership.label != marked.ownership.label
+    search = Search(surface=surface_of(marked.mesh), key=KEY, effort="plain")
+    assert find(replace(search, label=marked.ownership.label)).id == ID
+    assert not find(replace(search, label=other.ownership.label, trials=TrialCounter())).present
+
+
+def test_the_certificate_tells_the_lattice_of_a_part(marked):
+    """The invariants of a part are others; a reader with another label than the certificate's finds nothing."""
+    certificate = marked.certificate
+    assert certificate.lattice == str(marked.ownership.label)
+    part = parse_chain("crop:0.2")(marked.mesh, np.random.default_rng(7))
+    search = Search(surface=surface_of(part), key=KEY, effort="plain", reference=certificate)
+    assert find(search).id == ID
+    wrong = replace(certificate, lattice="0" * 32)
+    assert find(replace(search, reference=wrong, trials=TrialCounter())).id is None
 
 
 def test_marking_again_with_the_same_id_still_reads(marked):

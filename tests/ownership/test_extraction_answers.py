@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from meshmark.coding.keys import Key
 from meshmark.marking import embed, extract
 from meshmark.mesh import Mesh
-from tests.shapes import pebble
+from tests.shapes import boulder, pebble
 
 KEY, OTHER = Key(bytes(range(32))), Key(bytes(range(1, 33)))
 
@@ -27,7 +28,8 @@ def test_two_copies_with_two_ids_are_told_apart(model, marked):
     assert (extract(marked, KEY).id, extract(second, KEY).id) == (1, 2)
 
 
-def test_a_mark_of_another_key_leaves_the_first(marked):
+def test_a_mark_of_another_key_leaves_the_first():
+    marked = embed(Mesh(*boulder(110)), KEY, id=1, layers="ownership").mesh
     both = embed(marked, OTHER, id=3, layers="ownership").mesh
     assert (extract(both, KEY).id, extract(both, OTHER).id) == (1, 3)
 
@@ -48,3 +50,15 @@ def test_an_average_of_two_ids_never_reads_as_a_third(model, marked):
     second = embed(model, KEY, id=2, layers="ownership").mesh
     found = extract(Mesh((marked.vertices + second.vertices) / 2.0, model.faces), KEY)
     assert found.id in (None, 1, 2)
+
+
+def test_among_issued_ids_one_is_told_that_all_ids_together_hide(model, marked):
+    diagonal = np.linalg.norm(np.ptp(model.vertices, axis=0))
+    noise = 6e-4 * diagonal * np.random.default_rng(3).normal(size=model.vertices.shape)
+    suspect = Mesh(marked.vertices + noise, model.faces)
+    assert extract(suspect, KEY, search="plain").ids == ()
+    found = extract(suspect, KEY, search="plain", among=range(1, 9))
+    assert (found.presence, found.id, found.ids) == ("present", 1, (1,))
+    assert found.log10_false_positive <= -6.0
+    assert extract(suspect, KEY, search="plain", among=range(2, 9)).ids == ()
+    assert extract(model, KEY, search="plain", among=range(1, 9)).presence == "absent"

@@ -60,3 +60,15 @@ def test_where_the_frame_is_known_no_shape_is_read_twice():
     assert sum(np.array_equal(points, surface.points) for points in own) == 2
     assert sum(np.array_equal(points, surface.points) for points in known) == 1
     assert len(own) == len(known) + 1
+
+
+def test_a_shape_that_filtering_shrinks_to_nothing_is_no_frame():
+    """In its frame the surface would be a hundred times as large, of so many cells that memory runs out."""
+    triangle = surface_of(
+        Mesh(np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]), np.array([[0, 1, 2]]))
+    )
+    shapes = Shapes(triangle)
+    for restoration in some(restorations(triangle)):
+        for shape in restoration.shapes:
+            assert shape.framed_by is None
+            assert np.abs(shapes.frame(shape).to_canonical(shape.points)).max() < 3.0

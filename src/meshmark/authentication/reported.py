@@ -40,8 +40,8 @@ def with_marks(
     The bound is then that of the marks, doubled because two layers were looked at. reference: that the extraction
     had; the advice says where it is a certificate of another mark.
     """
-    marks = None if found.id is not None else marks_evidence(mesh, key)
-    if marks is None:
+    marks = None if found.ids else marks_evidence(mesh, key)
+    if marks is None or marks.id is None:
         return found
     remark = mismatch(reference, key, marks.id) if isinstance(reference, Certificate) else None
     beside = "is too damaged to read" if found.evidence else "was not found"
@@ -49,6 +49,7 @@ def with_marks(
         found,
         presence="present",
         id=marks.id,
+        ids=(marks.id,),
         log10_false_positive=min(believable(marks.log10_false_positive + log10(_LAYERS)), 0.0),
         evidence=(*found.evidence, marks),
         advice=f"The id was read from the authentication marks; the ownership mark {beside}. "

@@ -74,8 +74,8 @@ def read_fields(content: bytes) -> dict[str, Any]:
     version = values.get("version")
     if type(version) is int and 0 < version < VERSION:
         raise OldVersionError(
-            f"is a certificate of version {version}, expected {VERSION}: older ones are sealed otherwise and no "
-            "longer read; go without it, or mark the original again"
+            f"is a certificate of version {version}, expected {VERSION}: marks of earlier versions are no "
+            "longer read; mark the original again"
         )
     if type(version) is not int or version != VERSION:
         raise InputError(f"its version is {version!r}, expected {VERSION}")

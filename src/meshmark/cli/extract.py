@@ -12,7 +12,7 @@ from meshmark.cli.options import AsJson, CertificateIn, KeyFile, ModelFormatIn, 
 from meshmark.cli.output import answer, described
 from meshmark.cli.paths import naming
 from meshmark.cli.progress import progress
-from meshmark.cli.references import check_references, load_reference
+from meshmark.cli.references import check_references, load_ids, load_reference
 
 if TYPE_CHECKING:
     from meshmark.marking import Extraction
@@ -31,6 +31,13 @@ def extract(
     search: Annotated[
         Search, typer.Option(help="quick is fast; wide spends more time on hard cases, such as crops.")
     ] = Search.quick,
+    among: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="Ids of which one may be there, 16 hexadecimal digits a line; # starts a comment.",
+        ),
+    ] = None,
     time_limit: Annotated[
         float | None,
         typer.Option(
@@ -45,9 +52,10 @@ def extract(
     Neither the original nor the id is needed, and IN may have been turned, resized, converted, roughened,
     smoothed or simplified. In a part of a model, or in a copy damaged more, the mark is found with the
     certificate that was made at embedding, or with the original. Where the authentication marks alone are left,
-    they tell the id.
+    they tell the id. Less of a mark is enough where the ids that were given out are listed with --among, and an
+    average of copies names those of them that it was made of; without the list, of two copies only.
 
-    Exit code 0: present, and the id is printed; 1: absent; 3: inconclusive.
+    Exit code 0: present, and the id is printed, or the ids of an average of copies; 1: absent; 3: inconclusive.
     """
     from meshmark.coding.keys import Key
 
@@ -55,11 +63,12 @@ def extract(
     secret = Key.load(key)
     mesh = read_model(model, format)
     reference = load_reference(certificate, original)
+    ids = () if among is None else load_ids(among)
     from meshmark.authentication.reported import with_marks
     from meshmark.marking import extract as find
 
     with progress("looking for the mark"), naming(named(model)):
-        found = find(mesh, secret, reference=reference, search=search.value, time_limit=time_limit)
+        found = find(mesh, secret, reference=reference, search=search.value, time_limit=time_limit, among=ids)
         found = with_marks(found, mesh, secret, reference)
     answer(_words(found, named(model)), described(found.to_dict(), model, key=secret), as_json)
     return EXIT_CODES[found.presence]
@@ -69,9 +78,11 @@ def _words(found: Extraction, model: Path) -> str:
     from meshmark.coding.chance import in_words
     from meshmark.coding.message import format_id
 
-    if found.id is not None:
+    if found.ids:
         chance = f"chance of a false alarm {in_words(found.log10_false_positive)}"
-        return f"Present: {model} carries the id {format_id(found.id)}; {chance}. {found.advice}"
+        *first, last = map(format_id, found.ids)
+        ids = f"the ids {', '.join(first)} and {last}" if first else f"the id {last}"
+        return f"Present: {model} carries {ids}; {chance}. {found.advice}"
     start = {
         "present": f"Present in {model}, but the id cannot be read.",
         "absent": f"Absent from {model}.",

@@ -1,4 +1,4 @@
-"""What a command may be given about a model besides the key: its certificate, or the original."""
+"""What a command may be given about a model besides the key: its certificate, the original, ids given out."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from meshmark.marking import Certificate
     from meshmark.mesh import Mesh
 
-__all__ = ["check_references", "load_reference"]
+__all__ = ["check_references", "load_ids", "load_reference"]
 
 
 def check_references(certificate: Path | None, original: Path | None) -> None:
@@ -35,3 +35,30 @@ def load_reference(
 
         return Certificate.load(certificate)
     return None if original is None else read_model(original, None, staging)
+
+
+def load_ids(path: Path) -> tuple[int, ...]:
+    """Return the ids of a text file, one a line; blank lines are skipped, # starts a comment.
+
+    Raises `InputError` where the file cannot be read, holds no id, or a line is something else.
+    """
+    from meshmark.coding.message import parse_id
+
+    try:
+        lines = path.read_text("utf-8-sig").splitlines()
+    except OSError as error:
+        raise InputError(f"cannot read the ids in {path}: {error.strerror or 'error'}", file=path) from None
+    except UnicodeDecodeError:
+        raise InputError(
+            f"{path} is no text, expected one id of 16 hexadecimal digits a line", file=path
+        ) from None
+    ids = []
+    for number, line in enumerate(lines, start=1):
+        if text := line.partition("#")[0].strip():
+            try:
+                ids.append(parse_id(text))
+            except InputError as error:
+                raise InputError(f"{path}, line {number}: {error}", file=path) from None
+    if not ids:
+        raise InputError(f"{path} lists no ids, expected one of 16 hexadecimal digits a line", file=path)
+    return tuple(ids)

@@ -59,6 +59,10 @@ class VisibleChange:
     """
 
     def __init__(self, points: FloatArray, faces: IntArray) -> None:
+        # Areas of very large or small units would leave the range of numbers.
+        self._low = points.min(axis=0)
+        self._size = float((points - self._low).max()) or 1.0
+        points = self._sized(points)
         self._points, self._faces = points, faces
         areas, normals = vertex_areas_and_normals(points, faces)
         used = np.flatnonzero(areas > 0.0)
@@ -76,6 +80,9 @@ class VisibleChange:
         self._members, columns = np.unique(members, return_inverse=True)
         self._normals = normals[self._members]
         self._mean = sp.csr_array((weight, (rows, columns)), shape=(PATCHES, len(self._members)))
+
+    def _sized(self, points: FloatArray) -> FloatArray:
+        return (points - self._low) / self._size
 
     def noticed_at(self, mass: FloatArray, stiff: sp.csr_array, width: float) -> FloatArray:
         """Return the change in degrees (p,) that is just noticed at each point, patches diffused by `width`.
@@ -112,7 +119,7 @@ class VisibleChange:
                 at, change = at[seen], turned[seen]
                 normal = self._normals[at]
                 change = change - normal * np.einsum("ij,ij->i", change, normal)[:, None]
-                change /= np.maximum(size[at], 1e-300)[:, None]
+                change /= np.maximum(size[at] * self._size, 1e-300)[:, None]
                 rows.append((3 * at[:, None] + np.arange(3)).ravel())
                 columns.append(np.repeat(around[seen, mover], 3))
                 values.append(change.ravel())
@@ -128,7 +135,7 @@ class VisibleChange:
 
     def of(self, points: FloatArray) -> Visibility:
         """Return how visible it is that the points (p, 3) are there now."""
-        _, normals = vertex_areas_and_normals(points, self._faces)
+        _, normals = vertex_areas_and_normals(self._sized(points), self._faces)
         chord = np.linalg.norm(normals[self._members] - self._normals, axis=1)
         angle = np.degrees(2.0 * np.arcsin(np.minimum(0.5 * chord, 1.0)))
         change = np.sqrt(self._mean @ angle**2)

@@ -138,6 +138,7 @@ class Bumps:
         self._inverse = inverse
         self._frame_inverse = pinvh(gram[:FRAME_ROWS, :FRAME_ROWS], rtol=RIDGE)
         self.cost = inverse[FRAME_ROWS:, FRAME_ROWS:]
+        self._followed = gram[FRAME_ROWS:, :FRAME_ROWS][self.free] @ self._frame_inverse
 
     def displacement(self, frame: FloatArray, offsets: FloatArray) -> FloatArray:
         """Return (p,) lengths along the normals that change the frame values (9,) and free offsets (f,) so."""
@@ -153,6 +154,10 @@ class Bumps:
         A gentle bend of the whole, where holding every offset as well would push at the few places without cells.
         """
         return np.asarray(self.basis @ (self._heights[:, :FRAME_ROWS] @ (self._frame_inverse @ frame)))
+
+    def followed(self, frame: FloatArray) -> FloatArray:
+        """Return (f,): how the free offsets follow such a bend."""
+        return np.asarray(self._followed @ frame)
 
 
 def _border_part(points: FloatArray, faces: IntArray, normals: FloatArray, cells: Cells) -> sp.csr_array:

@@ -96,8 +96,7 @@ class Shaping:
 
     def loudness(self, step: float) -> float:
         """Return the 95th percentile of the ratio by which a mark without compensation is seen, 1 just noticed."""
-        change = self._whole(step)
-        turned = self._turning @ self._bumps.coefficients(self._frame_change, change)
+        turned = self._turning @ self._coefficients(self._whole(step))
         return float(np.quantile(self._seen.ratios_of(turned), 0.95))
 
     def told(self, step: float, noise: float) -> float:
@@ -129,7 +128,7 @@ class Shaping:
 
         Where few vertices span most of the surface, a small mean over vertices could hide a large dent.
         """
-        length = self._bumps.displacement(self._frame_change, self._change(step))
+        length = self._bumps.basis @ self._coefficients(self._change(step))
         means = (length * length) @ np.column_stack([self._copies, self._areas])
         return float(np.sqrt(means.max())) * self._unit
 
@@ -141,8 +140,8 @@ class Shaping:
         pass is kept.
         """
         change = self._change(step)
-        target = self._cells.offset + change
-        length = self._bumps.displacement(self._frame_change, change)
+        target = self._start + change
+        length = self._bumps.basis @ self._coefficients(change)
         held = np.ones(len(target), dtype=bool)
         previous = np.full(len(target), np.inf)
         best, best_error = length, np.inf
@@ -220,11 +219,21 @@ class Shaping:
         """Return the changes of offset (f,) that put every free cell on a point of its bit."""
         keys = self._lattice.keys(self._cells.nodes)
         bits = np.where(keys.pilot, 0, self._bits[keys.code_index]).astype(np.int64)
-        return nearest_offsets(self._cells.offset, keys.dither, bits, step, self._bumps.cost)
+        return nearest_offsets(self._start, keys.dither, bits, step, self._bumps.cost)
+
+    @cached_property
+    def _start(self) -> FloatArray:
+        """Offsets (f,) once the frame is bent to where it is held: the bits are put on top of that."""
+        return self._cells.offset + self._bumps.followed(self._frame_change)
+
+    def _coefficients(self, change: FloatArray) -> FloatArray:
+        """Return coefficients (m,) of the bumps that bend the frame, and change offsets (f,) from there."""
+        followed = self._bumps.followed(self._frame_change)
+        return self._bumps.coefficients(self._frame_change, followed + change)
 
     def _seen_at_cells(self, change: FloatArray) -> tuple[FloatArray, float]:
         """Return how visible changes of offset (f,) are at each cell, and on what share of the surface they are."""
-        turned = self._turning @ self._bumps.coefficients(self._frame_change, change)
+        turned = self._turning @ self._coefficients(change)
         ratio = SOLVE_EXCESS * self._seen.ratios_of(turned)
         return (self._patches @ ratio**4) ** 0.25, float((ratio > 1.0).mean())
 

@@ -32,7 +32,7 @@ def problem(seed, size, noise=0.3, cells=220):
 @pytest.mark.parametrize("seed", range(6))
 def test_planted_corrections_are_found(seed):
     psi, gradient, place, truth = problem(seed, size=2.0)
-    orders = neighbourhoods(gradient * EXPECTED, place, 3)
+    orders = neighbourhoods(gradient * EXPECTED, place, np.ones(len(place)), 3)
     locks = [grown(psi, gradient, EXPECTED, order, weight=np.ones(len(psi))) for order in orders]
     best = max((lock for lock in locks if lock), key=lambda lock: lock.score)
     np.testing.assert_allclose(best.correction, truth, atol=1e-3)
@@ -48,7 +48,7 @@ def test_cells_of_little_weight_do_no_harm(seed):
     psi = np.where(lost, rng.uniform(0.0, 2.0 * np.pi, len(psi)), psi)
     weight = np.where(lost, 0.1, 1.0)
     weight /= np.sqrt(np.mean(weight**2))
-    orders = neighbourhoods(gradient * EXPECTED * weight[:, None], place, 3)
+    orders = neighbourhoods(gradient * EXPECTED * weight[:, None], place, weight, 3)
     locks = [grown(psi, gradient, EXPECTED, order, weight=weight) for order in orders]
     best = max((lock for lock in locks if lock), key=lambda lock: lock.score)
     np.testing.assert_allclose(best.correction, truth, atol=1.5e-3)
@@ -74,7 +74,7 @@ def test_chance_does_not_lock_by_its_own_bound(monkeypatch):
             rng = np.random.default_rng(100 + seed)
             _, gradient, place, _ = problem(seed, size=1.0)
             psi = rng.uniform(0.0, 2.0 * np.pi, len(gradient))
-            for order in neighbourhoods(gradient * EXPECTED, place, 2):
+            for order in neighbourhoods(gradient * EXPECTED, place, np.ones(len(place)), 2):
                 share.case()
                 lock = grown(psi, gradient, EXPECTED, order, weight=np.ones(len(psi)))
                 if lock is not None:
@@ -84,7 +84,7 @@ def test_chance_does_not_lock_by_its_own_bound(monkeypatch):
 
 def test_first_clusters_are_disjoint_and_near():
     _, gradient, place, _ = problem(1, size=1.0)
-    orders = neighbourhoods(gradient * EXPECTED, place, 2)
+    orders = neighbourhoods(gradient * EXPECTED, place, np.ones(len(place)), 2)
     assert len(orders) == 2
     seen: set[int] = set()
     for order in some(orders):
@@ -99,7 +99,7 @@ def test_first_clusters_are_disjoint_and_near():
 
 def test_few_cells_are_one_cluster():
     _, gradient, place, _ = problem(1, size=1.0, cells=30)
-    (order,) = neighbourhoods(gradient * EXPECTED, place, 3)
+    (order,) = neighbourhoods(gradient * EXPECTED, place, np.ones(len(place)), 3)
     assert sorted(order) == list(range(30))
 
 
@@ -107,3 +107,12 @@ def test_a_wider_ball_holds_more():
     _, gradient, _, _ = problem(1, size=1.0)
     assert grid_size(gradient * EXPECTED, 1.0) < grid_size(gradient * EXPECTED, 2.0)
     assert grid_size(gradient[:, :0], 1.0) == 1.0
+
+
+def test_first_clusters_of_the_cells_of_most_weight_are_disjoint():
+    _, gradient, place, _ = problem(1, size=1.0, cells=440)
+    weight = np.where(np.arange(len(place)) % 2 == 0, 1.3, 0.5)
+    orders = neighbourhoods(gradient * EXPECTED, place, weight, 2)
+    one, other = ([cell for cell in order if weight[cell] > 1.0][:FIRST] for order in orders)
+    assert not set(one) & set(other)
+    assert len(set(one)) == len(set(other)) == FIRST

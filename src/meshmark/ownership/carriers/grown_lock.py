@@ -53,7 +53,8 @@ def neighbourhoods(
 
 def _first(order: IntArray, weight: FloatArray) -> IntArray:
     """Return the cells of the first cluster of an order."""
-    return order[weight[order] == weight.max()][:FIRST]
+    heaviest: IntArray = order[weight[order] == weight.max()]
+    return heaviest[:FIRST]
 
 
 def grown(

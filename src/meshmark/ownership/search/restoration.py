@@ -24,6 +24,8 @@ __all__ = ["Restoration", "Shape", "restorations", "stretched"]
 # Low-pass filters 1 - (1 - exp(-t x))^4: flat for coarse shape, nothing of the roughness left.
 LOW_PASS: Final = (2.0, 4.0)
 ORDER: Final = 4
+# A shape that filtering leaves smaller than this has no frame for others.
+HELD: Final = 0.5
 # Amounts of smoothing undone; from one to the next shapes are interpolated.
 UNDONE: Final = (0.0, 0.9, 2.0, 3.6, 5.6)
 # The inverse is the series sum_k (1 - exp(-t x))^k up to this k, which bounds what it does to noise.
@@ -93,12 +95,18 @@ def restorations(surface: Surface, frame_known: bool = False) -> Iterator[Restor
     smooth, smoother, *undone = map(Shape, filtered)
     # Noise makes areas uneven, and by that moves the frame by more than a lock reaches; of the smoothest shape it
     # moves it least.
-    if not frame_known:
-        yield Restoration(shapes=(Shape(surface.points, smoother),))
-    yield Restoration(shapes=(Shape(smooth.points, smoother),))
+    frame = smoother if _holds(surface.points - centre, smoother.points - centre) else None
+    if not frame_known and frame is not None:
+        yield Restoration(shapes=(Shape(surface.points, frame),))
+    yield Restoration(shapes=(Shape(smooth.points, frame),))
     for before, after in pairwise((smooth, *undone)):
         yield Restoration(shapes=(before, after), middle=(0.5,), expected=(0.3,))
     yield Restoration(shapes=(smoother,))
+
+
+def _holds(points: FloatArray, filtered: FloatArray) -> bool:
+    """Return whether a filter leaves the size of a shape about as it was; few large triangles shrink to nothing."""
+    return float(np.linalg.norm(filtered)) > HELD * float(np.linalg.norm(points))
 
 
 def _low_pass(amount: float) -> Callable[[FloatArray], FloatArray]:

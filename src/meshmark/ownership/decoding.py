@@ -1,0 +1,117 @@
+"""Decoding of one reading: the id, two ids of an average, or listed ids, and the bound on a false alarm."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import log, log10
+
+import numpy as np
+
+from meshmark.coding.codec import CHECK_WORD_LIMIT, Codec
+from meshmark.coding.polar import Bits
+from meshmark.mesh import FloatArray
+from meshmark.ownership.parameters import CREDIBLE_LOG10, PRESENT_LOG10, PROVEN_LOG10
+from meshmark.ownership.search.measurement import Reading
+
+__all__ = ["Found", "Listed", "decoded", "lock_bound"]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Found:
+    """The reading that a search ended with, None where there was nothing to read, and the ids behind it.
+
+    present: a mark of this key is there. ids: one, several where copies were averaged, none where only the lock
+    shows it.
+    log10_false_positive: bound on the chance of this without a mark, over all that was tried.
+    stopped: the time ran out before the search was at its end.
+    """
+
+    reading: Reading | None
+    present: bool
+    log10_false_positive: float
+    ids: tuple[int, ...] = ()
+    stopped: bool = False
+
+    @property
+    def id(self) -> int | None:
+        """Return the id where there is one only."""
+        return self.ids[0] if len(self.ids) == 1 else None
+
+    @property
+    def carriers(self) -> int:
+        """Return how many cells were read."""
+        return 0 if self.reading is None else len(self.reading.phase)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Listed:
+    """Issued ids among which that of a copy is looked for, and their code words (m, n)."""
+
+    ids: tuple[int, ...]
+    words: Bits
+
+
+def decoded(codec: Codec, reading: Reading, listed: Listed) -> Found | None:
+    """Decode a reading, and, where its lock is credible, its complement, as an average, and among listed ids.
+
+    A round shape half a step too large or too small locks as well, with every bit turned round. Where the lock is
+    credible, less evidence is asked of the word alone: the bound of both together is asked for in any case.
+    """
+    observed = reading.observed()
+    credible = reading.log10_chance + log10(reading.hypotheses) < CREDIBLE_LOG10
+    if credible and (pair := _pair(codec, reading, observed)) is not None:
+        return pair
+    named = _among(codec, reading, observed, listed)
+    if named is not None and len(named.ids) > 1:  # of an average the likeliest word alone is one of them
+        return named
+    limit = PROVEN_LOG10 if credible else CHECK_WORD_LIMIT
+    for signed in (observed, -observed) if credible else (observed,):
+        word = codec.decode(signed, limit)
+        chance = reading.log10_chance + word.log10_chance + (log10(2.0) if credible else 0.0)
+        bound = _log10_bound(chance, reading.hypotheses)
+        if word.id is not None and bound <= PRESENT_LOG10:
+            return Found(reading=reading, ids=(word.id,), present=True, log10_false_positive=bound)
+    return named
+
+
+def _pair(codec: Codec, reading: Reading, observed: FloatArray) -> Found | None:
+    """Return the two ids of an average of two copies.
+
+    Where their bits are the same it reads as either, elsewhere half a step off: doubled phases tell which, and make
+    a word. The lock is of doubled phases too, and counts for nothing in the bound.
+    """
+    pair = codec.decode_pair(observed, reading.doubled())
+    bound = _log10_bound(sum(pair.log10_chances), reading.hypotheses)
+    if max(pair.log10_chances) > PROVEN_LOG10 or bound > PRESENT_LOG10:
+        return None
+    return Found(reading=reading, ids=pair.ids, present=True, log10_false_positive=bound)
+
+
+def _among(codec: Codec, reading: Reading, observed: FloatArray, listed: Listed) -> Found | None:
+    """Return those of the listed ids that the reading shows: one, or some of those of averaged copies."""
+    if not listed.ids:
+        return None
+    chances = codec.chances(observed, listed.words)
+    credible = reading.log10_chance + log10(reading.hypotheses) < CREDIBLE_LOG10
+    shown = np.flatnonzero(chances <= (PROVEN_LOG10 if credible else CHECK_WORD_LIMIT))
+    bound = _log10_bound(reading.log10_chance + float(chances.min()), reading.hypotheses)
+    if not len(shown) or bound > PRESENT_LOG10:
+        return None
+    best = shown[np.argsort(chances[shown], kind="stable")]
+    return Found(
+        reading=reading, ids=tuple(listed.ids[row] for row in best), present=True, log10_false_positive=bound
+    )
+
+
+def _log10_bound(log10_chance: float, hypotheses: float) -> float:
+    """Bound log10 of the chance that any of the hypotheses is this unlikely.
+
+    A product x of two p-values falls below x by chance with x (1 - ln x): the signs of the bits are fair coins
+    whatever the lock, which sees only pilots and doubled phases. For a lock alone this is more than is needed.
+    """
+    return min(0.0, log10(hypotheses) + log10_chance + log10(1.0 - log10_chance * log(10.0)))
+
+
+def lock_bound(reading: Reading) -> float:
+    """Bound log10 of the chance of the lock of a reading without a mark, over all that was tried."""
+    return _log10_bound(reading.log10_chance, reading.hypotheses)
