@@ -105,6 +105,7 @@ def _marked(base: Base, request: MarkRequest, planned: Planned) -> Authenticated
     surface, precision = planned.plan.surface, planned.precision
     symbols, symbol_bits = len(np.unique(planned.plan.payload_index)), planned.plan.symbol_bits
     whole = whole_of(surface, precision.error, scene_of(planned.mesh))
+    whole = replace(whole, shown=request.shown)
     packed, remarks = content_for(request.content, surface, whole, symbols, symbol_bits)
     marked = mark(planned.plan, request.key, request.id, encoder(packed, symbol_bits, symbols))
     moved = (marked.points != surface.points).any(axis=1)[surface.point_of_vertex]
