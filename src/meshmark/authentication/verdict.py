@@ -214,4 +214,4 @@ def _missing(found: Examination) -> float | None:
 def _payload(found: Examination) -> str:
     if found.payload is not None:
         return "none" if found.payload.kind == "none" else "recovered"
-    return "partial" if found.marked and len(found.checks.index) else "none"
+    return "partial" if found.marked and len(found.checks.carried.index) else "none"

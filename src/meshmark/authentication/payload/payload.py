@@ -31,8 +31,9 @@ KINDS = ("none", "miniature", "bytes", "image")
 """What a payload can be; the place in this list is its first byte."""
 HEAD = 1 + SIZE
 """Bytes before the content: its kind, and what was signed off as a whole; more where it shows copies or more."""
-# Set in the first byte of a model that shows copies, and of one whose file showed something else than its surface.
-_COPIES, _SHOWN = 0x80, 0x40
+# Set in the first byte of a model that shows copies, of one whose file showed something else than its surface, and
+# of one whose marks that tell the id have rings of which no two are alike.
+_COPIES, _SHOWN, _ONCE = 0x80, 0x40, 0x20
 INTACT = 0.55
 """Share of the marks that must be left for the payload: 60 % of a surface, less what its border breaks."""
 
@@ -56,18 +57,19 @@ def pack(kind: str, content: bytes = b"", whole: Whole | None = None) -> bytes:
     if kind == "none" and content:
         raise InputError(f"the payload 'none' has {len(content)} bytes of content, expected no content")
     whole = whole or Whole()
-    flags = (_COPIES if whole.distinct else 0) | (_SHOWN if whole.shown else 0)
+    flags = (_COPIES if whole.distinct else 0) | (_SHOWN if whole.shown else 0) | (_ONCE if whole.once else 0)
     return bytes([KINDS.index(kind) | flags]) + whole.packed() + content
 
 
 def unpack(packed: bytes) -> Payload:
     """Undo `pack`; raises `InputError` where the first byte names no kind."""
-    kind = packed[0] & ~(_COPIES | _SHOWN) if packed else len(KINDS)
+    kind = packed[0] & ~(_COPIES | _SHOWN | _ONCE) if packed else len(KINDS)
     if len(packed) < HEAD or kind >= len(KINDS):
         raise InputError(
             "the payload is of a kind that this version does not know, expected a newer meshmark"
         )
-    whole, content = Whole.read(packed[1:], copies=bool(packed[0] & _COPIES), shown=bool(packed[0] & _SHOWN))
+    copies, shown, once = (bool(packed[0] & flag) for flag in (_COPIES, _SHOWN, _ONCE))
+    whole, content = Whole.read(packed[1:], copies=copies, shown=shown, once=once)
     return Payload(kind=KINDS[kind], content=content, whole=whole)
 
 

@@ -42,13 +42,15 @@ class Whole:
     """points: that faces use, 0 where they are not counted; area: in squares of half the diagonal, 0: unknown.
 
     distinct: of a model that shows copies of a mesh, the points without them, 0 of any other.
-    shown: how its file showed something else than the surface (`shown_otherwise.packed_deviations`).
+    shown: how its file showed something else than the surface (`shown_otherwise.packed_deviations`). once: no two
+    of its marks that tell the id have rings that are alike; not among the bytes.
     """
 
     points: int = 0
     area: float = 0.0
     distinct: int = 0
     shown: bytes = b""
+    once: bool = False
 
     @property
     def more(self) -> int:
@@ -62,7 +64,7 @@ class Whole:
         return _FORM.pack(self.points, self.area) + copies + shown
 
     @staticmethod
-    def read(packed: bytes, *, copies: bool, shown: bool) -> tuple[Whole, bytes]:
+    def read(packed: bytes, *, copies: bool, shown: bool, once: bool) -> tuple[Whole, bytes]:
         """Undo `packed`; copies, shown: whether it has these. Returns what follows as well.
 
         Raises `InputError` where there are too few bytes.
@@ -74,7 +76,9 @@ class Whole:
             raise InputError("the payload ends within its head, expected one that meshmark has made")
         points, area = _FORM.unpack(packed[:SIZE])
         (distinct,) = _MORE.unpack(packed[SIZE:size]) if copies else (0,)
-        whole = Whole(points=points, area=area, distinct=distinct, shown=packed[end - length : end])
+        whole = Whole(
+            points=points, area=area, distinct=distinct, shown=packed[end - length : end], once=once
+        )
         return whole, packed[end:]
 
 

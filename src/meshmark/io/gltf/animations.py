@@ -5,7 +5,7 @@ from __future__ import annotations
 from meshmark.errors import FormatError
 from meshmark.io.gltf.container import Container
 from meshmark.io.gltf.deformation import morphs
-from meshmark.io.gltf.nodes import Nodes
+from meshmark.io.gltf.node_tree import Nodes
 from meshmark.io.gltf.schema import Json, objects, reference, references
 
 __all__ = ["animated"]

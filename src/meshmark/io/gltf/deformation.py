@@ -12,7 +12,7 @@ import numpy as np
 from meshmark.errors import FormatError
 from meshmark.io.gltf.accessor import open_accessor
 from meshmark.io.gltf.container import Container
-from meshmark.io.gltf.nodes import Nodes, Showing
+from meshmark.io.gltf.node_tree import Nodes, Showing
 from meshmark.io.gltf.scene import Primitive
 from meshmark.io.gltf.schema import numbers, objects, reference
 from meshmark.io.gltf.skin import joint_matrices

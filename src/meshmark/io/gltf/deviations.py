@@ -18,7 +18,7 @@ from meshmark.io.gltf.accessor import open_accessor
 from meshmark.io.gltf.animations import animated
 from meshmark.io.gltf.container import Container
 from meshmark.io.gltf.deformation import morph_displacement, skin_displacement
-from meshmark.io.gltf.nodes import Nodes, Showing, open_nodes, scene_roots
+from meshmark.io.gltf.node_tree import Nodes, Showing, open_nodes, scene_roots
 from meshmark.io.gltf.scene import Primitive, Scene
 from meshmark.io.gltf.schema import Json, integer, objects, reference
 from meshmark.io.gltf.visibility import hidden_faces, material_of
@@ -49,7 +49,7 @@ def gltf_deviations(container: Container, scene: Scene, diagonal: float) -> tupl
     -------
     tuple of Deviation
     """
-    look = _Look(container, scene, diagonal)
+    look = _Look(container=container, scene=scene, diagonal=diagonal)
     amounts = {kind: _amount(measure) for kind, measure in look.measures.items()}
     for kind in animated(container, look.nodes):
         amounts[kind] = _WHOLE
@@ -63,7 +63,7 @@ def _amount(measure: Callable[[], float]) -> float:
         return _MOST
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class _Look:
     container: Container
     scene: Scene

@@ -15,7 +15,7 @@ import numpy as np
 from meshmark.errors import FormatError
 from meshmark.io.gltf.accessor import Accessor, open_accessor
 from meshmark.io.gltf.container import Container
-from meshmark.io.gltf.nodes import open_nodes
+from meshmark.io.gltf.node_tree import open_nodes
 from meshmark.io.gltf.schema import Json, integer, objects, reference
 from meshmark.io.placement import Affine
 from meshmark.mesh import IntArray
