@@ -91,15 +91,19 @@ def with_authentication(base: Base, request: MarkRequest) -> Authenticated:
 
 
 def _bound_or_not(base: Base, request: MarkRequest, chosen: Planned) -> Authenticated:
-    """Return marks whose symbols are bound to their places, or where those do not hold, marks that are not."""
+    """Return marks whose symbols are bound to their places; where these are not found again, marks that are not."""
     if chosen.plan.places_itself:
-        with suppress(CapacityError):
+        with suppress(_UnplacedError):
             return _marked(base, request, chosen, bound=True)
     return _marked(base, request, chosen, bound=False)
 
 
 class _UnreadError(CapacityError):
     """The marks of authentication are not read back as they should."""
+
+
+class _UnplacedError(_UnreadError):
+    """The marks hold, but do not tell where the model lies, so that the payload bound to places is not read."""
 
 
 def _choices(planned: Planned, key: Key) -> Iterator[Planned]:
@@ -127,7 +131,10 @@ def _marked(base: Base, request: MarkRequest, planned: Planned, *, bound: bool) 
     surface_of_moved(
         result, planned.mesh
     )  # remembered, so that `examine` welds only what rounding has joined
-    if not authentic(found := examine(as_shown(result), request.key), request.id):
+    found = examine(as_shown(result), request.key)
+    if bound and found.marked and found.payload is None:
+        raise _UnplacedError("the marks of authentication do not tell where the model lies")
+    if not authentic(found, request.id):
         raise _UnreadError(
             "the marks of authentication cannot be read back from the positions the file can hold"
         )
