@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from meshmark.authentication.checks.model_frame import ModelFrame
+from meshmark.authentication.checks.model_frame import ModelFrame, evidence_of
 from meshmark.authentication.marks.candidates import Candidates
 from meshmark.authentication.marks.model_cells import masks, near_cells
 from meshmark.authentication.payload.payload import SymbolSource
@@ -105,3 +105,10 @@ class Expected:
         right = np.zeros(len(marks.index), bool)
         right[row[value == self.source(marks.index)[row]]] = True
         return right
+
+    def in_place(self, found: Candidates, symbol: IntArray) -> NDArray[np.bool_]:
+        """Return (c,): which marks that carry their place, as symbols (c,), lie there; all if it is not known."""
+        frame = self.reading.frame
+        if frame is None or not len(symbol):
+            return np.ones(len(symbol), bool)
+        return ~frame.far(evidence_of(found, symbol, self.reading.symbol_bits, frame.error))

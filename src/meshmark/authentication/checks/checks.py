@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from meshmark.authentication.checks.carried import Carried, Expected, carried
 from meshmark.authentication.checks.in_place import in_place
-from meshmark.authentication.checks.model_frame import Evidence, ModelFrame, Scale
+from meshmark.authentication.checks.model_frame import ModelFrame, Scale, evidence_of
 from meshmark.authentication.checks.ring_reading import chance_of
 from meshmark.authentication.checks.setting_search import likeliest_setting
 from meshmark.authentication.checks.sweep import sweep
@@ -17,7 +17,6 @@ from meshmark.authentication.marks.candidates import HEADER, PAYLOAD, PLACE, Can
 from meshmark.authentication.marks.ring_shapes import ring_shapes
 from meshmark.authentication.marks.rings import Rings
 from meshmark.authentication.marks.rings_of import rings_of
-from meshmark.authentication.marks.symbols import directions, is_fine, place_values
 from meshmark.authentication.parameters import UNIT
 from meshmark.coding.keys import Key
 from meshmark.geometry.shown import Shown
@@ -93,16 +92,7 @@ def check(surface: Surface, key: Key, nonce: int | None = None, payload: Expecte
     able = swept.able | new_boundary
     outdone = _outdone(pairs, found.vertex, np.where(read.holds, read.off, np.inf), len(points))
     place = read.holds & (found.kind == PLACE) & ~outdone[found.vertex]
-    value, step, period = place_values(read.symbol[place], is_fine(found.index[place]), layout.symbol)
-    evidence = Evidence(
-        vertex=found.vertex[place],
-        centre=found.centre[place],
-        direction=directions(found.take(place)),
-        value=value,
-        step=step,
-        period=period,
-        error=setting.unit / UNIT,
-    )
+    evidence = evidence_of(found.take(place), read.symbol[place], layout.symbol, setting.unit / UNIT)
     linked = np.concatenate([pairs, _copied(surface, passed, setting.unit)])
     placed = in_place(
         surface.edges,

@@ -12,18 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from meshmark.authentication.checks.model_frame import Evidence, ModelFrame, fit_frame
+from meshmark.authentication.checks.model_frame import DOUBTS, Evidence, ModelFrame, fit_frame
 from meshmark.geometry.components import connected_components
 from meshmark.mesh import IntArray
 
 __all__ = ["InPlace", "in_place"]
 
-# Deviations of the fit, which a small part determines badly far away from it.
-_DOUBTS = 3.0
 # A part was moved where this number of its fine marks, and this share of them, lie elsewhere.
 _ELSEWHERE, _SHARE = 2, 0.25
-# A mark farther from its place than this number of times what it may be off was put there, or holds by chance.
-_FAR = 4.0
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -100,7 +96,7 @@ def _votes(
     if frame is None:
         nothing = np.zeros(count, bool)
         return np.zeros(count, np.int64), nothing, np.zeros(len(evidence.vertex), bool)
-    off, allowed = frame.off(evidence), frame.allowed(evidence, _DOUBTS)
+    off, allowed = frame.off(evidence), frame.allowed(evidence, DOUBTS)
     right, where, fine = off <= allowed, part[evidence.vertex], evidence.fine
     # Where the fit is no better than half a period, a fine mark is right wherever it lies.
     agree = np.bincount(where[right & ~fine], minlength=count)
@@ -109,4 +105,4 @@ def _votes(
     elsewhere = np.bincount(where[~right & fine], minlength=count)
     moved = dispute > agree + lucky
     moved |= (elsewhere >= _ELSEWHERE + lucky) & (elsewhere > _SHARE * total)
-    return agree, moved, off > _FAR * allowed
+    return agree, moved, frame.far(evidence)

@@ -11,9 +11,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from meshmark.authentication.marks.candidates import Candidates
+from meshmark.authentication.marks.symbols import directions, is_fine, place_values
 from meshmark.mesh import FloatArray, IntArray
 
-__all__ = ["SLACK", "Evidence", "ModelFrame", "Scale", "fit_frame"]
+__all__ = ["DOUBTS", "SLACK", "Evidence", "ModelFrame", "Scale", "evidence_of", "fit_frame"]
+
+DOUBTS = 3.0
+"""Deviations of the fit, which a small part determines badly far away from it."""
+# A mark farther from its place than this number of times what it may be off was put there, or holds by chance.
+_FAR = 4.0
 
 # Fewer coarse marks of the largest part, and fewer fine ones, cannot say where the model lies.
 _NEEDED, _NEEDED_FINE = 12, 6
@@ -96,10 +103,28 @@ class ModelFrame:
         along = np.einsum("ei,ei->e", self(evidence.centre), evidence.direction)
         return np.abs(evidence.misfit(along))
 
+    def far(self, evidence: Evidence) -> NDArray[np.bool_]:
+        """Return (e,): which marks lie so far from where they say that they are not believed."""
+        return np.asarray(self.off(evidence) > _FAR * self.allowed(evidence, DOUBTS))
+
     def allowed(self, evidence: Evidence, doubts: float) -> FloatArray:
         """Return (e,) how far off each mark may be: rounding of value and coordinates, and `doubts` deviations."""
         rounding = np.where(evidence.fine, 0.5 + _FINE_SLACK, 0.5 + SLACK) * evidence.step + 2.0 * self.blur
         return np.asarray(rounding + doubts * self.doubt(evidence.centre, evidence.direction))
+
+
+def evidence_of(found: Candidates, symbol: IntArray, symbol_bits: int, error: float) -> Evidence:
+    """Return what marks (e,) that carry their place say; symbol: (e,) read; error: of a centre, in scene units."""
+    value, step, period = place_values(symbol, is_fine(found.index), symbol_bits)
+    return Evidence(
+        vertex=found.vertex,
+        centre=found.centre,
+        direction=directions(found),
+        value=value,
+        step=step,
+        period=period,
+        error=error,
+    )
 
 
 def fit_frame(evidence: Evidence, own: NDArray[np.bool_]) -> ModelFrame | None:

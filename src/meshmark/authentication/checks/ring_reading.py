@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshmark.authentication.checks.carried import Expected, carried
-from meshmark.authentication.marks.candidates import HEADER, PAYLOAD, Candidates
+from meshmark.authentication.marks.candidates import HEADER, PAYLOAD, PLACE, Candidates
 from meshmark.authentication.marks.symbols import header_symbols
 from meshmark.authentication.marks.words import bind, symbols_at
 from meshmark.authentication.parameters import LAYOUTS, LEVELS, Layout
@@ -81,6 +81,8 @@ def _read(
     if payload is not None:
         rows = np.flatnonzero(holds & (found.kind == PAYLOAD))
         holds[rows] = payload.agrees(carried(found.take(rows), symbol[rows]))
+        rows = np.flatnonzero(holds & (found.kind == PLACE))
+        holds[rows] = payload.in_place(found.take(rows), symbol[rows])
     return symbol, holds, new_boundary
 
 
