@@ -69,7 +69,7 @@ def _model(name: str, mesh: Mesh, figures: dict[str, list[float]], edits: bool) 
     surface = weld(mesh)
     marked, done = _marked(mesh, ID)
     psnr = _psnr(surface, done)
-    net = 27 / 32 * done.count * done.symbol_bits * NET / len(surface.points)
+    net = 25 / 32 * done.count * done.symbol_bits * NET / len(surface.points)
     found, seconds = _timed(weld(marked), None)
     fresh = {
         attack: _fresh(attacked) for attack, attacked in benign_operations(marked, np.random.default_rng(1))

@@ -25,7 +25,7 @@ __all__ = ["measure"]
 def measure(subject: Subject, _draws: int | None) -> Iterator[Row]:
     name, rng, count = subject.name, subject.rng("payload"), len(subject.surface.points)
     found = check(weld(subject.upper.mesh), KEY)
-    net = 8.0 * capacity(len(np.unique(found.index)), found.symbol_bits) / count
+    net = 8.0 * capacity(len(np.unique(found.carried.index)), found.symbol_bits) / count
     yield Row("payload at 55 % of the marks, bits per point", name, "", net)
     image = _image(count // 8, rng)
     try:

@@ -12,7 +12,37 @@ from numpy.typing import NDArray
 
 from meshmark.arrays import FloatArray, IntArray
 
-__all__ = ["Attributes", "Document"]
+__all__ = ["KINDS", "Attributes", "Deviation", "Document"]
+
+KINDS = (
+    "morph_weights",
+    "skin",
+    "scene",
+    "instancing",
+    "lines",
+    "points",
+    "hidden_material",
+    "hidden_node",
+    "levels_of_detail",
+    "morph_animation",
+    "skeletal_animation",
+    "node_animation",
+    "pointer_animation",
+)
+"""Ways in which a viewer shows something else than the surface; a kind's place in this list is kept in payloads."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Deviation:
+    """A way in which viewers of a file show something else than the surface that is read from it.
+
+    kind: one of `KINDS`. amount: above 0; what it measures depends on the kind. morph_weights, skin: largest
+    displacement over the diagonal; scene, hidden_material, hidden_node: share of the faces that is not shown;
+    lines: their length over the diagonal; points, instancing: how many, over 1000; 1 of all others.
+    """
+
+    kind: str
+    amount: float
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -86,6 +116,14 @@ class Document(Protocol):
 
     def summary(self) -> dict[str, Any]:
         """Return what `meshmark info` prints beside counts: encoding, precision, meshes, materials, ..."""
+        ...
+
+    def deviations(self) -> tuple[Deviation, ...]:
+        """Return in which ways a viewer shows something else than the surface, in the order of `KINDS`."""
+        ...
+
+    def looks(self) -> tuple[str, ...] | None:
+        """Return what the surface is painted with, in words without names; None where that is not read."""
         ...
 
     def side_files(self) -> tuple[Path, ...]:

@@ -42,7 +42,7 @@ def test_marks_that_contradict_the_payload_are_altered_and_no_others(lies):
     assert found.verdict == ("altered" if lies else "authentic")
     assert found.content is not None
     assert found.content.content == b"a message"
-    liar = checks.vertex[np.isin(checks.index, liars)]
+    liar = checks.carried.vertex[np.isin(checks.carried.index, liars)]
     assert len(liar) == lies
     assert found.altered[liar].all()
     near = np.isin(marked.faces, liar).any(axis=1)

@@ -67,9 +67,9 @@ def test_payload_symbols_come_back_by_index() -> None:
     found = _check(MARKED)
     prepared = plan(weld(ORIGINAL), KEY, precision_of(ORIGINAL))
     assert prepared.payload_marks > 0.7 * DONE.count
-    right = found.value == _symbols(found.index)
+    right = found.carried.value == _symbols(found.carried.index)
     assert right.mean() > 0.99
-    assert set(prepared.payload_index.tolist()) <= set(found.index[right].tolist())
+    assert set(prepared.payload_index.tolist()) <= set(found.carried.index[right].tolist())
 
 
 def test_no_point_moves_farther_than_its_ring_allows_and_most_do_not_move() -> None:

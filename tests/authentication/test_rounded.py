@@ -42,6 +42,14 @@ class _Coarse:
     format = "obj"
 
     @staticmethod
+    def deviations() -> tuple[()]:
+        return ()
+
+    @staticmethod
+    def looks() -> None:
+        return None
+
+    @staticmethod
     def conform(vertices):
         return np.round(vertices, 3)
 

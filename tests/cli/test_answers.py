@@ -5,6 +5,7 @@ from __future__ import annotations
 import gzip
 import io
 import json
+import shutil
 import sys
 from pathlib import Path
 
@@ -22,7 +23,7 @@ from tests.shapes import pebble
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, files) -> Path:
     mm.write_mesh(mm.Mesh(*pebble(24)), tmp_path / "small.ply")
-    (tmp_path / "my.key").write_bytes(files.key.read_bytes())
+    shutil.copy(files.key, tmp_path / "my.key")
     (tmp_path / "marked.ply").write_bytes(files.marked.read_bytes())
     monkeypatch.chdir(tmp_path)
     return tmp_path

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -45,7 +46,7 @@ def test_places_where_nothing_can_be_written(cli, files, tmp_path):
     (tmp_path / "folder.csv").mkdir()
     (tmp_path / "hare.ply.gz").write_bytes(files.model.read_bytes())
     (tmp_path / "link.ply.gz").symlink_to(tmp_path / "hare.ply.gz")
-    (tmp_path / "own.key").write_bytes(files.key.read_bytes())
+    shutil.copy(files.key, tmp_path / "own.key")
     before = snapshot(tmp_path)
     model, key = tmp_path / "hare.ply.gz", tmp_path / "own.key"
     for out in (
@@ -152,3 +153,15 @@ def test_odd_file_names_are_shown_without_harm(cli, tmp_path):
     ran = cli("info", tmp_path / "a\n\x1b[31m\udcff.ply")
     assert_refused(ran, tmp_path, {})
     assert "\x1b" not in ran.err
+
+
+def test_a_key_that_others_can_read_needs_force(cli, files, tmp_path):
+    shutil.copy(files.key, tmp_path / "open.key")
+    (tmp_path / "open.key").chmod(0o644)
+    before = snapshot(tmp_path)
+    line = ("extract", files.marked, "--key", tmp_path / "open.key")
+    ran = cli(*line)
+    assert_refused(ran, tmp_path, before)
+    assert "other users can read the key file" in ran.err
+    assert cli(*line, "--force").code == 0
+    assert cli("authenticate", *line[1:], "--force").code == 0

@@ -14,6 +14,7 @@ import pytest
 from PIL import Image
 
 import meshmark as mm
+from meshmark.coding.elapsed import SECONDS
 from tests.counting import some
 from tests.io.compressed_samples import draco_grid
 from tests.shapes import pebble
@@ -24,8 +25,7 @@ EMBED = {
     "max_over_diagonal", "psnr_db", "seconds",
 }  # fmt: skip
 EXTRACT = {
-    "presence", "id", "log10_false_positive", "mode", "carriers", "carriers_agreeing", "lock_score", "advice",
-    "seconds", "evidence",
+    "presence", "id", "log10_false_positive", "mode", "advice", "seconds", "evidence",
 }  # fmt: skip
 COMPARE = {
     "rms_over_diagonal", "max_over_diagonal", "mrms_over_diagonal", "hausdorff_over_diagonal", "psnr_db",
@@ -121,10 +121,8 @@ def test_extract_reads_the_id_and_exits_with_0(cli, files):
     assert (ran.code, ran.err) == (0, "")
     assert found.keys() >= EXTRACT
     assert (found["presence"], found["id"], found["mode"]) == ("present", IDENTITY, "blind")
-    assert found["log10_false_positive"] < -6
-    assert found["evidence"] == [
-        {"layer": "cells", "id": IDENTITY, "log10_false_positive": found["log10_false_positive"]}
-    ]
+    assert found["log10_false_positive"] == -30.0
+    assert found["evidence"] == [{"layer": "cells", "id": IDENTITY, "log10_false_positive": -30.0}]
     assert IDENTITY in cli("extract", files.marked, "--key", files.key).out
 
 
@@ -183,6 +181,19 @@ def test_several_ids_are_all_named(cli, files, monkeypatch):
     assert f"carries the ids {1:016x}, {2:016x} and {3:016x}; chance" in ran.out
     found = only_object(cli("extract", files.marked, "--key", files.key, "--json").out)
     assert (found["id"], found["ids"]) == (None, [f"{each:016x}" for each in (1, 2, 3)])
+
+
+def test_extract_tells_numbers_that_help_to_remove_a_mark_only_to_who_diagnoses(cli, files):
+    line = ("extract", files.marked, "--key", files.key)
+    quiet, told = only_object(cli(*line, "--json").out), only_object(cli(*line, "--diagnose", "--json").out)
+    more = {"carriers", "carriers_agreeing", "lock_score"}
+    assert set(told) - set(quiet) == more
+    assert set(quiet) <= set(told)
+    assert quiet["seconds"] in SECONDS
+    assert told["seconds"] not in SECONDS
+    assert told["log10_false_positive"] < -30.0
+    assert "below 10^-30." in cli(*line).out
+    assert "below 10^-30." not in cli(*line, "--diagnose").out
 
 
 @pytest.mark.parametrize("search", ["quick", "wide"])

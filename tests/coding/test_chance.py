@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from meshmark.coding.chance import believable, in_words
+from meshmark.coding.chance import BANDS, band, believable, in_words
 from meshmark.coding.keys import KEY_BYTES, LOG10_GUESS
 
 
@@ -28,3 +28,25 @@ def test_a_guess_hits_one_key_of_all():
 def test_bounds(bound, number, words):
     assert believable(bound) == number
     assert in_words(bound) == words, "rounded towards the worse"
+
+
+@pytest.mark.parametrize(
+    ("bound", "said"),
+    [
+        (0.0, 0.0),
+        (-5.99, 0.0),
+        (-6.0, -6.0),
+        (-11.9, -6.0),
+        (-12.0, -12.0),
+        (-29.0, -12.0),
+        (-30.0, -30.0),
+        (-77.0, -30.0),
+    ],
+)
+def test_bands_are_no_better_than_the_bound(bound, said):
+    assert band(bound) == said
+    assert said >= bound
+
+
+def test_bands_are_from_best_to_worst():
+    assert sorted(BANDS) == list(BANDS)

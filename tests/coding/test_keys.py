@@ -167,3 +167,16 @@ def test_a_key_file_is_known_by_its_first_line(tmp_path: Path) -> None:
         False,
         False,
     ]
+
+
+@pytest.mark.parametrize("mode", [0o644, 0o640, 0o604, 0o660])
+def test_a_key_that_other_users_can_read_is_refused_unless_forced(tmp_path, mode):
+    path = tmp_path / "a.key"
+    key = Key.generate()
+    key.save(path)
+    path.chmod(mode)
+    with pytest.raises(KeyFileError, match=rf"other users can read .*mode {mode:04o}\), expected 0600"):
+        Key.load(path)
+    assert Key.load(path, force=True) == key
+    path.chmod(0o400)
+    assert Key.load(path) == key

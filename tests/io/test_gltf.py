@@ -172,10 +172,25 @@ def test_external_buffer_gets_the_name_of_the_model(tmp_path: Path) -> None:
 
 def test_side_files_are_the_images(tmp_path: Path) -> None:
     sample = rich()
-    sample.tree["images"] += [{"uri": "skin%201.png"}, {"uri": "gone.png"}, {"uri": "../secret.png"}]
-    (tmp_path / "skin 1.png").write_bytes(b"png")
+    names = ("skin%201.png", "gone.png", "../secret.png", "private.txt", ".ssh/hidden.png", "link.png")
+    sample.tree["images"] += [{"uri": name} for name in names]
+    image = b"\x89PNG\r\n\x1a\n"
+    (tmp_path / ".ssh").mkdir()
+    (tmp_path / "skin 1.png").write_bytes(image)
+    (tmp_path / ".ssh" / "hidden.png").write_bytes(image)
+    (tmp_path / "private.txt").write_bytes(b"no image")
+    (tmp_path / "link.png").symlink_to(tmp_path / "skin 1.png")
     document, _, _ = opened(sample, "external", tmp_path)
     assert document.side_files() == (tmp_path / "skin 1.png",)
+
+
+def test_a_buffer_is_not_read_through_a_link(tmp_path: Path) -> None:
+    sample = cube()
+    (tmp_path / "there").mkdir()
+    (tmp_path / "there" / "buffer.bin").write_bytes(sample.blob)
+    (tmp_path / "sub").symlink_to(tmp_path / "there")
+    with pytest.raises(FormatError, match=r"sub/buffer.bin .* cannot be read: it is reached through a link"):
+        parse_gltf(sample.json(uri="sub/buffer.bin"), tmp_path / "in.gltf")
 
 
 def test_buffers_without_positions_are_side_files(tmp_path: Path) -> None:

@@ -119,11 +119,14 @@ def test_material_files_are_found_but_only_inside_the_folder(tmp_path: Path) -> 
     (home / "maps").mkdir(parents=True)
     (tmp_path / "secret.mtl").write_text("newmtl x\n")
     (home / "with space.mtl").write_text(
-        "newmtl a\nmap_Kd -s 1 1 1 maps/skin.png\nbump ..\\..\\secret.png\nmap_Ks gone.png\n"
+        "newmtl a\nmap_Kd -s 1 1 1 maps/skin.png\nbump ..\\..\\secret.png\nmap_Ks gone.png\nrefl passwords.png\n"
     )
-    (home / "maps" / "skin.png").write_bytes(b"png")
+    (home / "maps" / "skin.png").write_bytes(b"\x89PNG\r\n\x1a\n")
+    (home / "passwords.png").write_bytes(b"no image")
+    (home / "notes.txt").write_text("no materials\n")
     (home / "link.mtl").symlink_to(tmp_path / "secret.mtl")
-    data = b"mtllib with space.mtl\nmtllib ../secret.mtl\nmtllib /etc/passwd\nmtllib link.mtl\nmtllib\n"
+    data = b"mtllib with space.mtl\nmtllib ../secret.mtl\nmtllib /etc/passwd\nmtllib link.mtl\n"
+    data += b"mtllib notes.txt\nmtllib\n"
     document = parse(data + POINTS + b"f 1 2 3\n", home / "model.obj")
     assert document.side_files() == (home / "with space.mtl", home / "maps" / "skin.png")
 

@@ -151,7 +151,9 @@ def test_the_input_is_refused_as_output(source: Path, tmp_path: Path) -> None:
 def test_side_files_are_copied_and_never_replaced(source: Path, tmp_path: Path) -> None:
     (tmp_path / "scene.mtl").write_text("newmtl Shiny\nmap_Kd maps/skin.png\n")
     (tmp_path / "maps").mkdir()
-    (tmp_path / "maps" / "skin.png").write_bytes(b"ours")
+    image = b"\x89PNG\r\n\x1a\nours"
+    (tmp_path / "maps" / "skin.png").write_bytes(image)
+    (tmp_path / "maps" / "skin.png").chmod(0o600)
     mesh, out = read_mesh(source), tmp_path / "out"
     out.mkdir()
     (out / "scene.mtl").write_text("theirs")
@@ -159,8 +161,9 @@ def test_side_files_are_copied_and_never_replaced(source: Path, tmp_path: Path) 
     assert files_below(out) == {
         "new.obj": source.read_bytes(),
         "scene.mtl": b"theirs",
-        str(Path("maps") / "skin.png"): b"ours",
+        str(Path("maps") / "skin.png"): image,
     }
+    assert (out / "maps" / "skin.png").stat().st_mode & 0o777 == 0o600
     before = files_below(tmp_path)
     write_mesh(mesh, tmp_path / "new.obj")
     assert files_below(tmp_path) == before | {"new.obj": source.read_bytes()}

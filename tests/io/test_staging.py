@@ -155,3 +155,44 @@ def test_a_whole_folder_is_moved_with_the_modes_of_its_files(tmp_path: Path) -> 
     assert (tmp_path / "sub" / "a").read_bytes() == b"a"
     assert (tmp_path / "my.key").stat().st_mode & 0o777 == 0o600
     assert {path.name for path in tmp_path.iterdir()} == {"there", "sub", "my.key"}
+
+
+@pytest.mark.parametrize("mode", [0o600, 0o640, 0o644, 0o444])
+def test_a_result_is_readable_to_no_more_users_than_what_it_is_made_of(tmp_path: Path, mode: int) -> None:
+    (tmp_path / "input").write_bytes(b"input")
+    (tmp_path / "input").chmod(mode)
+    (tmp_path / "side").write_bytes(b"beside")
+    (tmp_path / "side").chmod(0o600)
+    before = os.umask(0o022)
+    try:
+        with Staging(like=tmp_path / "input") as staging:
+            staging.put(tmp_path / "a", b"new")
+            staging.put(tmp_path / "copy", b"new", like=tmp_path / "side")
+        with Staging() as staging:
+            staging.put(tmp_path / "free", b"new")
+    finally:
+        os.umask(before)
+    expected = (mode | 0o600) & 0o644
+    assert {name: (tmp_path / name).stat().st_mode & 0o777 for name in ("a", "copy", "free")} == {
+        "a": expected,
+        "copy": 0o600,
+        "free": 0o644,
+    }
+
+
+def test_nothing_is_written_through_a_link_below_the_folder(tmp_path: Path) -> None:
+    (tmp_path / "home").mkdir()
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / "home" / "sub").symlink_to(tmp_path / "elsewhere")
+    home = tmp_path / "home"
+    with pytest.raises(OutputError, match="sub is a link, expected a folder inside"), Staging() as staging:
+        staging.put(home / "sub" / "buffer.bin", b"new", home)
+
+    def linked_meanwhile() -> None:
+        with Staging() as staging:
+            staging.put(home / "later" / "buffer.bin", b"new", home)
+            (home / "later").symlink_to(tmp_path / "elsewhere")
+
+    with pytest.raises(OutputError, match="later is a link"):
+        linked_meanwhile()
+    assert list((tmp_path / "elsewhere").iterdir()) == []

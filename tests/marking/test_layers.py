@@ -169,6 +169,14 @@ class _Coarse:
     format = "obj"
 
     @staticmethod
+    def deviations() -> tuple[()]:
+        return ()
+
+    @staticmethod
+    def looks() -> None:
+        return None
+
+    @staticmethod
     def mesh(points, faces) -> Mesh:
         return Mesh(points, faces, _Coarse())
 

@@ -58,6 +58,12 @@ class Rounding:
 
     grid: float | None
 
+    def deviations(self) -> tuple[()]:
+        return ()
+
+    def looks(self) -> None:
+        return None
+
     def conform(self, vertices: np.ndarray) -> np.ndarray:
         if self.grid is None:
             return vertices.astype(np.float32).astype(float)

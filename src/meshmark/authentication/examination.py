@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from functools import cache, cached_property
+from dataclasses import dataclass, replace
+from functools import cache, cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from meshmark.authentication.as_written import Since, since_written
 from meshmark.authentication.checks.altered_points import altered_points
+from meshmark.authentication.checks.carried import Expected, Reading
 from meshmark.authentication.checks.checks import Checks, check
 from meshmark.authentication.payload.payload import Payload, decode, unpack
 from meshmark.authentication.payload.signed_totals import points_distinct, points_shown, unmarked_parts
@@ -157,9 +158,9 @@ def _examined(
     certificate = reference if isinstance(reference, Certificate) else None
     remark = None if certificate is None else mismatch(certificate, key, identity)
     if identity is not None and checks.log10_chance <= MARKED_LOG10:
-        packed = _packed(checks)
+        packed, reading = _packed(checks, key, identity)
         if packed is not None:
-            checks = _confirmed(surface, key, identity, checks, packed)
+            checks = _confirmed(surface, checks, packed, reading)
         altered, payload = altered_points(surface, checks), None if packed is None else unpack(packed)
         known = Examination(
             surface=surface,
@@ -194,32 +195,44 @@ def _examined(
     )
 
 
-def _packed(checks: Checks) -> bytes | None:
-    """Return what the believed marks carry, else what all that hold do: scattered ones prove each other so."""
-    for index, value in ((checks.index, checks.value), (checks.held_index, checks.held_value)):
-        packed = decode(index, value, checks.symbol_bits) if len(index) else None
-        if packed is not None:
-            return packed
-    return None
+def _packed(checks: Checks, key: Key, identity: int) -> tuple[bytes | None, Reading]:
+    """Return what the believed marks carry, else what all that hold do: scattered ones prove each other so.
+
+    And how they were read: by the cells of the model where it is known where it lies, else, as marks of small
+    models are, without.
+    """
+    reading = Reading(key=key, nonce=identity, symbol_bits=checks.symbol_bits, frame=None)
+    for frame in dict.fromkeys((checks.frame, None)):
+        reading = replace(reading, frame=frame)
+        for marks in (checks.carried, checks.held):
+            index, value = reading.sure(marks)
+            packed = decode(index, value, checks.symbol_bits) if len(index) else None
+            if packed is not None:
+                return packed, reading
+    return None, reading
 
 
-def _confirmed(surface: Surface, key: Key, identity: int, checks: Checks, packed: bytes) -> Checks:
+def _confirmed(surface: Surface, checks: Checks, packed: bytes, reading: Reading) -> Checks:
     """Return the checks anew where a point is altered, or has no other voucher than marks against the payload.
 
-    A mark that was put at random, or holds by luck, says the symbol that the payload has there once in 2^9 or so.
-    In a rounded file one such mark can hide that its neighbour is to be read in another way, or dispute where a
-    component lies: so nothing is called altered by a check that does not know the payload.
+    A mark that was put at random, was copied to another place, or holds by luck, says the symbol that the payload
+    has there once in 2^9 or so. In a rounded file one such mark can hide that its neighbour is to be read in
+    another way, or dispute where a component lies: so nothing is called altered by a check that does not know the
+    payload.
     """
-    source = ErasureCode(packed, checks.symbol_bits)
-    right = source(checks.held_index) == checks.held_value
+    source, once = ErasureCode(packed, checks.symbol_bits), unpack(packed).whole.once
+    expected = Expected(source=source, reading=reading, once=once)
+    held = checks.held.vertex
+    right = expected.agrees(checks.held)
     passed = checks.passed.copy()
-    passed[checks.held_vertex[~right]] = False
-    passed[checks.held_vertex[right]] = checks.passed[checks.held_vertex[right]]
-    if altered_points(surface, checks).any():
-        return check(surface, key, identity, source)
+    passed[held[~right]] = False
+    passed[held[right]] = checks.passed[held[right]]
+    again = partial(check, surface, reading.key, reading.nonce, expected)
+    if altered_points(surface, checks).any() or (once and checks.repeated):
+        return again()
     if (passed == checks.passed).all():
         return checks
     vouched = passed | (surface.graph @ passed.astype(np.float64) > 0.0)
     if not (checks.eligible & checks.verified & ~vouched).any():
         return checks
-    return check(surface, key, identity, source)
+    return again()

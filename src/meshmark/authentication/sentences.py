@@ -8,12 +8,15 @@ from meshmark.authentication.as_written import WRONG_LOG10
 from meshmark.authentication.examination import Examination
 from meshmark.authentication.regions.region import Region
 from meshmark.authentication.rounded import Rounded
+from meshmark.authentication.shown_otherwise import Cause
 
-__all__ = ["of_altered", "of_marks", "of_number", "of_rounded"]
+__all__ = ["of_altered", "of_causes", "of_marks", "of_number", "of_rounded"]
 
 
 def of_marks(verdict: str, found: Examination) -> str:
     """Return the sentence of a model of which no part is called altered by its marks."""
+    if verdict == "surface_intact":
+        return "The surface is as it was when it was marked, but the file shows something else."
     if verdict == "authentic" and not found.marked:
         return (
             "Nothing was changed since it was marked: its positions and faces are those that its certificate was "
@@ -88,6 +91,14 @@ def of_rounded(rounded: Rounded, beyond: Sequence[str]) -> str:
     if not rounded.clear:
         return f"{text}: too few marks are left to tell whether more was changed."
     return f"{text}; no larger part was changed beyond that."
+
+
+def of_causes(causes: Sequence[Cause], verdict: str) -> str:
+    """Return the sentence that names why a file shows something else than what was signed off."""
+    clauses = "; ".join(cause.sentence for cause in causes)
+    if verdict == "surface_intact":
+        return f"{clauses[0].upper()}{clauses[1:]}."
+    return f"Besides, the file shows more than its surface: {clauses}."
 
 
 def of_number(missing: int, area: float | None) -> str:

@@ -17,9 +17,11 @@ from meshmark.authentication.payload.payload import Payload
 from meshmark.authentication.regions.region import Region
 from meshmark.authentication.regions.region_map import RegionMap, region_map
 from meshmark.authentication.rounded import rounded_everywhere
-from meshmark.authentication.sentences import of_altered, of_marks, of_rounded
+from meshmark.authentication.sentences import of_altered, of_causes, of_marks, of_rounded
+from meshmark.authentication.shown_otherwise import Cause, causes_of
 from meshmark.certificate.certificate import Certificate
-from meshmark.coding.chance import believable
+from meshmark.coding.chance import band, believable
+from meshmark.coding.elapsed import rounded_up
 from meshmark.coding.keys import Key
 from meshmark.coding.message import format_id
 from meshmark.mesh import IntArray, Mesh
@@ -36,8 +38,9 @@ _SINCE = {Since.SAME: "authentic", Since.CHANGED: "altered", Since.UNKNOWN: "inc
 class Authentication:
     """What the marks of a model say.
 
-    verdict: "authentic", "altered", "not_marked" or "inconclusive" (also where there is the id alone, and nothing
-    tells whether the model was changed); altered: (n,) which vertices of the file were
+    verdict: "authentic", "surface_intact" (but the file shows something else), "altered", "not_marked" or
+    "inconclusive" (also where there is the id alone, and nothing tells whether the model was changed); causes: why
+    the file shows something else than what was signed off; altered: (n,) which vertices of the file were
     moved, made or laid bare. altered_area_fraction: of the surface, 0 to 1. missing_area_fraction: of the surface
     that was signed off; points_missing: of its points, below 0 where there are more; both None where not known.
     payload: "recovered", "partial" or "none"; content: what was recovered. id: or None.
@@ -60,6 +63,7 @@ class Authentication:
     advice: str
     seconds: float
     draw: Callable[[], RegionMap] = field(repr=False)
+    causes: tuple[Cause, ...] = ()
 
     @cached_property
     def _map(self) -> RegionMap:
@@ -80,10 +84,12 @@ class Authentication:
         """Return how many vertices of the file are altered."""
         return int(self.altered.sum())
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return the JSON fields."""
+    def to_dict(self, *, diagnose: bool = False) -> dict[str, Any]:
+        """Return the JSON fields; the bound in `BANDS` and the time in `SECONDS` unless `diagnose`."""
+        bound = self.log10_false_positive
         return {
             "verdict": self.verdict,
+            "causes": [cause.to_dict() for cause in self.causes],
             "altered_vertices": self.altered_vertices,
             "altered_area_fraction": self.altered_area_fraction,
             "missing_area_fraction": self.missing_area_fraction,
@@ -93,11 +99,11 @@ class Authentication:
             "payload_kind": None if self.content is None else self.content.kind,
             "payload_bytes": 0 if self.content is None else len(self.content.content),
             "id": None if self.id is None else format_id(self.id),
-            "log10_false_positive": self.log10_false_positive,
+            "log10_false_positive": bound if diagnose else band(bound),
             "mode": self.mode,
             "certificate": self.certificate,
             "advice": self.advice,
-            "seconds": self.seconds,
+            "seconds": self.seconds if diagnose else rounded_up(self.seconds),
         }
 
 
@@ -105,7 +111,8 @@ class Authentication:
 def authenticate(mesh: Mesh, key: Key, *, reference: Certificate | Mesh | None = None) -> Authentication:
     """Return whether a mesh is as it was when it was marked, and where it is not.
 
-    Turning, resizing and moving, another order of vertices or faces, and other formats alter nothing.
+    Turning, resizing and moving, another order of vertices or faces, and other formats alter nothing. What the
+    mesh's file shows beside its surface (morph targets, skins, scenes, materials) is looked at, too.
 
     Parameters
     ----------
@@ -129,6 +136,9 @@ def authenticate(mesh: Mesh, key: Key, *, reference: Certificate | Mesh | None =
     start = perf_counter()
     found = examine(mesh, key, reference)
     verdict = _verdict(found)
+    causes = _causes(mesh, key, found, reference)
+    if verdict == "authentic" and causes:
+        verdict = "surface_intact"
     altered = found.altered if verdict == "altered" else np.zeros(len(found.surface.points), bool)
     areas = found.surface.point_areas
     share = float(areas[altered].sum() / areas.sum())
@@ -143,6 +153,8 @@ def authenticate(mesh: Mesh, key: Key, *, reference: Certificate | Mesh | None =
         draw = partial(_same, drawn)
     else:
         advice = of_marks(verdict, found)
+    if causes:
+        advice += f" {of_causes(causes, verdict)}"
     if found.remark is not None:
         advice += f" {found.remark}"
     return Authentication(
@@ -160,7 +172,19 @@ def authenticate(mesh: Mesh, key: Key, *, reference: Certificate | Mesh | None =
         advice=advice,
         seconds=perf_counter() - start,
         draw=draw,
+        causes=causes,
     )
+
+
+def _causes(
+    mesh: Mesh, key: Key, found: Examination, reference: Certificate | Mesh | None
+) -> tuple[Cause, ...]:
+    """Return why the file shows something else; none where there is no mark that could speak of it."""
+    if found.id is None:
+        return ()
+    signed = None if found.payload is None else found.payload.whole.shown
+    own = reference if isinstance(reference, Certificate) and found.remark is None else None
+    return causes_of(mesh.document, key, signed, own)
 
 
 def _same(drawn: RegionMap) -> RegionMap:
@@ -190,4 +214,4 @@ def _missing(found: Examination) -> float | None:
 def _payload(found: Examination) -> str:
     if found.payload is not None:
         return "none" if found.payload.kind == "none" else "recovered"
-    return "partial" if found.marked and len(found.checks.index) else "none"
+    return "partial" if found.marked and len(found.checks.carried.index) else "none"

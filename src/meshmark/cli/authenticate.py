@@ -8,7 +8,16 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from meshmark.cli.model_input import named, read_model
-from meshmark.cli.options import AsJson, CertificateIn, Force, KeyFile, ModelFormatIn, ModelIn, OriginalIn
+from meshmark.cli.options import (
+    AsJson,
+    CertificateIn,
+    Diagnose,
+    ForceKeyed,
+    KeyFile,
+    ModelFormatIn,
+    ModelIn,
+    OriginalIn,
+)
 from meshmark.cli.output import answer, described, say
 from meshmark.cli.paths import naming, staged
 from meshmark.cli.progress import progress
@@ -21,9 +30,10 @@ if TYPE_CHECKING:
 
 __all__ = ["VERDICT_CODES", "authenticate"]
 
-VERDICT_CODES = {"authentic": 0, "altered": 1, "not_marked": 1, "inconclusive": 3}
+VERDICT_CODES = {"authentic": 0, "surface_intact": 3, "altered": 1, "not_marked": 1, "inconclusive": 3}
 _WORDS = {
     "authentic": "Authentic",
+    "surface_intact": "Surface intact, but the file shows something else",
     "altered": "Altered",
     "not_marked": "Not marked",
     "inconclusive": "Inconclusive",
@@ -50,7 +60,8 @@ def authenticate(
         ),
     ] = None,
     format: ModelFormatIn = None,
-    force: Force = False,
+    diagnose: Diagnose = False,
+    force: ForceKeyed = False,
     as_json: AsJson = False,
 ) -> int:
     """Say whether, and where, a model was changed since marking.
@@ -58,15 +69,16 @@ def authenticate(
     Neither the original nor a certificate is needed. Turning, resizing, another order of vertices and other
     formats are no changes. The map is a PLY with IN's vertices in their order, colours, and a property `altered`.
 
-    Exit code 0: authentic; 1: altered, not marked with this key, or no payload to write; 3: inconclusive,
-    or only the id is there, which does not tell whether the model was changed.
+    Exit code 0: authentic; 1: altered, not marked with this key, or no payload to write; 3: the surface is intact
+    but the file shows something else (morph weights, a pose, another scene, hidden faces), or inconclusive: only
+    the id is there, which does not tell whether the model was changed.
     """
     from meshmark.coding.keys import Key
 
     check_references(certificate, original)
     outputs = [(map_, ".ply"), (report, ".html"), (payload, None)]
     staging = staged(outputs, [model, key, certificate, original], force)
-    secret = Key.load(key)
+    secret = Key.load(key, force=force)
     mesh = read_model(model, format, staging)
     reference = load_reference(certificate, original, staging)
     from meshmark.marking import authenticate as judge
@@ -80,9 +92,9 @@ def authenticate(
             _write_page(mesh, found, named(model).name, report, staging)
         complete = payload is None or _write_payload(found, payload, staging)
     answer(
-        f"{_WORDS[found.verdict]}: {named(model)}. {found.advice}{_chance(found)}",
+        f"{_WORDS[found.verdict]}: {named(model)}. {found.advice}{_chance(found, diagnose)}",
         described(
-            found.to_dict() if as_json else {},
+            found.to_dict(diagnose=diagnose) if as_json else {},
             model,
             {"map": map_, "report": report, "payload": payload if complete else None},
             secret,
@@ -122,9 +134,10 @@ def _write_payload(found: Authentication, path: Path, staging: Staging) -> bool:
     return True
 
 
-def _chance(found: Authentication) -> str:
-    from meshmark.coding.chance import in_words
+def _chance(found: Authentication, diagnose: bool) -> str:
+    from meshmark.coding.chance import band, in_words
 
-    if found.verdict not in ("authentic", "altered"):
+    if found.verdict not in ("authentic", "surface_intact", "altered"):
         return ""
-    return f" Chance of such marks without the key {in_words(found.log10_false_positive)}."
+    bound = found.log10_false_positive if diagnose else band(found.log10_false_positive)
+    return f" Chance of such marks without the key {in_words(bound)}."

@@ -10,7 +10,7 @@ import typer
 from meshmark.cli.model_input import named, read_model
 from meshmark.cli.options import (
     AsJson,
-    Force,
+    ForceKeyed,
     KeyFile,
     Layers,
     ModelFormatIn,
@@ -78,7 +78,7 @@ def embed(
         ),
     ] = False,
     format: ModelFormatIn = None,
-    force: Force = False,
+    force: ForceKeyed = False,
     as_json: AsJson = False,
 ) -> int:
     """Put a mark into a model.
@@ -99,7 +99,7 @@ def embed(
     inputs = [model, key, carried if isinstance(carried, Path) else None]
     staging = staged([(out, None), (certificate, None)], inputs, force)
     number = None if identity is None else parse_id(identity)
-    secret = Key.load(key)
+    secret = Key.load(key, force=force)
     mesh = read_model(model, format, staging)
     from meshmark.marking.marked_file import embed_file
 

@@ -8,7 +8,17 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from meshmark.cli.model_input import named, read_model
-from meshmark.cli.options import AsJson, CertificateIn, KeyFile, ModelFormatIn, ModelIn, OriginalIn, Search
+from meshmark.cli.options import (
+    AsJson,
+    CertificateIn,
+    Diagnose,
+    ForceKey,
+    KeyFile,
+    ModelFormatIn,
+    ModelIn,
+    OriginalIn,
+    Search,
+)
 from meshmark.cli.output import answer, described
 from meshmark.cli.paths import naming
 from meshmark.cli.progress import progress
@@ -45,6 +55,8 @@ def extract(
         ),
     ] = None,
     format: ModelFormatIn = None,
+    diagnose: Diagnose = False,
+    force: ForceKey = False,
     as_json: AsJson = False,
 ) -> int:
     """Look for a mark, by the key alone or with a reference.
@@ -60,7 +72,7 @@ def extract(
     from meshmark.coding.keys import Key
 
     check_references(certificate, original)
-    secret = Key.load(key)
+    secret = Key.load(key, force=force)
     mesh = read_model(model, format)
     reference = load_reference(certificate, original)
     ids = () if among is None else load_ids(among)
@@ -70,16 +82,18 @@ def extract(
     with progress("looking for the mark"), naming(named(model)):
         found = find(mesh, secret, reference=reference, search=search.value, time_limit=time_limit, among=ids)
         found = with_marks(found, mesh, secret, reference)
-    answer(_words(found, named(model)), described(found.to_dict(), model, key=secret), as_json)
+    fields = described(found.to_dict(diagnose=diagnose), model, key=secret)
+    answer(_words(found, named(model), diagnose), fields, as_json)
     return EXIT_CODES[found.presence]
 
 
-def _words(found: Extraction, model: Path) -> str:
-    from meshmark.coding.chance import in_words
+def _words(found: Extraction, model: Path, diagnose: bool) -> str:
+    from meshmark.coding.chance import band, in_words
     from meshmark.coding.message import format_id
 
     if found.ids:
-        chance = f"chance of a false alarm {in_words(found.log10_false_positive)}"
+        bound = found.log10_false_positive if diagnose else band(found.log10_false_positive)
+        chance = f"chance of a false alarm {in_words(bound)}"
         *first, last = map(format_id, found.ids)
         ids = f"the ids {', '.join(first)} and {last}" if first else f"the id {last}"
         return f"Present: {model} carries {ids}; {chance}. {found.advice}"

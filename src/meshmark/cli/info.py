@@ -42,7 +42,7 @@ def _fields(path: Path, format: ModelFormat | None) -> tuple[dict[str, Any], Key
     from meshmark.coding.keys import Key, is_key_file
 
     if path != STANDARD_INPUT and is_key_file(path):
-        key = Key.load(path)
+        key = Key.load(path, force=True)
         return {"kind": "meshmark key file", "fingerprint": key.fingerprint}, key
     if path != STANDARD_INPUT and _is_certificate(path):
         from meshmark.marking import Certificate

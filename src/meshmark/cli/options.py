@@ -84,6 +84,14 @@ ModelFormatIn = Annotated[
 Force = Annotated[
     bool, typer.Option("--force", help="Replace existing files; keys and inputs are never replaced.")
 ]
+ForceKeyed = Annotated[
+    bool,
+    typer.Option(
+        "--force",
+        help="Replace existing files (keys and inputs never), and take a key file that other users can read.",
+    ),
+]
+ForceKey = Annotated[bool, typer.Option("--force", help="Take a key file that other users can read.")]
 ModelOut = Annotated[
     Path,
     typer.Argument(metavar="OUT", help="File to write; in the format of IN unless its name says otherwise."),
@@ -92,6 +100,13 @@ KeyFile = Annotated[
     Path, typer.Option("--key", metavar="KEYFILE", help="Key file made by `meshmark keygen`.")
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object instead of words.")]
+Diagnose = Annotated[
+    bool,
+    typer.Option(
+        "--diagnose",
+        help="Also tell carriers, lock, exact bounds and time: for research, never to strangers (docs/answers.md).",
+    ),
+]
 Picture = Annotated[
     Path | None, typer.Option("--picture", metavar="OUT.png", help="Also draw the model as a PNG picture.")
 ]

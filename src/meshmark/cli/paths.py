@@ -39,6 +39,8 @@ def naming(*paths: Path) -> Iterator[None]:
 def staged(outputs: Sequence[Output], inputs: Sequence[Path | None], force: bool) -> Staging:
     """Check all outputs of a command and return what takes them; inputs are never written to.
 
+    The first input is the model that the outputs are made of: none is readable to more users than it is.
+
     Raises `OutputError` where one cannot be written, exists already without `force`, or is an input, and
     `InputError` for a wrong extension or two outputs of one name.
     """
@@ -52,7 +54,8 @@ def staged(outputs: Sequence[Output], inputs: Sequence[Path | None], force: bool
     for number, (path, _) in enumerate(given):
         if places[number] in places[:number]:
             raise InputError(f"two results are to go to {path}, expected different names", file=path)
-    return Staging(force, kept)
+    model = inputs[0] if inputs else None
+    return Staging(force, kept, None if model == STANDARD_INPUT else model)
 
 
 def written_beside(staging: Staging, outputs: Sequence[Path | None]) -> list[str]:

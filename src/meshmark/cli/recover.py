@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from meshmark.cli.model_input import named, read_model
-from meshmark.cli.options import AsJson, CertificateIn, Force, KeyFile, ModelFormatIn, ModelIn, ModelOut
+from meshmark.cli.options import AsJson, CertificateIn, ForceKeyed, KeyFile, ModelFormatIn, ModelIn, ModelOut
 from meshmark.cli.output import answer, described, percent, plural, say
 from meshmark.cli.paths import naming, staged, written_beside
 from meshmark.cli.progress import progress
@@ -19,7 +19,7 @@ def recover(
     key: KeyFile,
     certificate: CertificateIn = None,
     format: ModelFormatIn = None,
-    force: Force = False,
+    force: ForceKeyed = False,
     as_json: AsJson = False,
 ) -> int:
     """Bring back what was altered in a marked model.
@@ -34,7 +34,7 @@ def recover(
 
     staging = staged([(out, None)], [model, key, certificate], force)
     check_extension(out, model)
-    secret = Key.load(key)
+    secret = Key.load(key, force=force)
     mesh = read_model(model, format, staging)
     reference = load_reference(certificate)
     from meshmark.marking import recover as bring_back

@@ -8,7 +8,15 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from meshmark.cli.model_input import named, read_model
-from meshmark.cli.options import AsJson, CertificateNeeded, Force, KeyFile, ModelFormatIn, ModelIn, ModelOut
+from meshmark.cli.options import (
+    AsJson,
+    CertificateNeeded,
+    ForceKeyed,
+    KeyFile,
+    ModelFormatIn,
+    ModelIn,
+    ModelOut,
+)
 from meshmark.cli.output import answer, described, percent, say
 from meshmark.cli.paths import naming, staged, written_beside
 from meshmark.cli.progress import progress
@@ -28,7 +36,7 @@ def unmark(
     key: KeyFile,
     certificate: CertificateNeeded,
     format: ModelFormatIn = None,
-    force: Force = False,
+    force: ForceKeyed = False,
     as_json: AsJson = False,
 ) -> int:
     """Take a mark off again, with the key and the certificate.
@@ -42,7 +50,7 @@ def unmark(
     start = perf_counter()
     staging = staged([(out, None)], [model, key, certificate], force)
     check_extension(out, model)
-    secret = Key.load(key)
+    secret = Key.load(key, force=force)
     mesh = read_model(model, format, staging)
     from meshmark.marking import Certificate
     from meshmark.marking import unmark as take_off

@@ -7,15 +7,27 @@ from the owner's. So what is read from a model, however improbable without the k
 from __future__ import annotations
 
 from math import ceil
+from typing import Final
 
 from meshmark.coding.keys import LOG10_GUESS
 
-__all__ = ["believable", "in_words"]
+__all__ = ["BANDS", "band", "believable", "in_words"]
+
+BANDS: Final = (-30.0, -12.0, -6.0)
+"""Bounds that an answer to strangers tells apart (log10); any better one is said to be the lowest."""
 
 
 def believable(log10_chance: float) -> float:
     """Return log10 of a bound on a chance, at least that of guessing the key."""
     return max(log10_chance, LOG10_GUESS)
+
+
+def band(log10_chance: float) -> float:
+    """Return the lowest of `BANDS` that a bound is not above, 0 above all of them.
+
+    An exact bound tells whoever edits a model how near the mark is to be gone, edit by edit.
+    """
+    return next((limit for limit in BANDS if log10_chance <= limit), 0.0)
 
 
 def in_words(log10_chance: float) -> str:

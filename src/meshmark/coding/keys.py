@@ -24,6 +24,8 @@ _ANY_HEADER = b"meshmark key "
 _FILE = re.compile(rf"{HEADER}\n([0-9a-f]{{{2 * KEY_BYTES}}})\n".encode())
 # Enough to see that a file is too long to be a key, without reading a large file into memory.
 _READ_LIMIT = 4 * KEY_BYTES
+# Permissions of the group and of all others.
+_OTHERS = 0o077
 _DOMAIN = b"meshmark subkey 1\0"
 _FINGERPRINT, _FINGERPRINT_BYTES = "public fingerprint", 8
 
@@ -59,13 +61,15 @@ class Key:
         return cls(secrets.token_bytes(KEY_BYTES))
 
     @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> Key:
+    def load(cls, path: str | os.PathLike[str], *, force: bool = False) -> Key:
         """Read a key file.
 
         Parameters
         ----------
         path : str or path-like
             The file, as `save` writes it.
+        force : bool
+            Take a file that other users can read, too.
 
         Returns
         -------
@@ -75,12 +79,13 @@ class Key:
         Raises
         ------
         KeyFileError
-            The file cannot be read or holds no key; the message never quotes what it holds.
+            The file cannot be read, or by other users as well, or holds no key; the message never quotes what it
+            holds.
         """
         name = os.fspath(path)
         try:
             with Path(path).open("rb") as file:
-                content = file.read(_READ_LIMIT)
+                content, mode = file.read(_READ_LIMIT), os.fstat(file.fileno()).st_mode
         except OSError as error:
             raise KeyFileError(
                 f"cannot read the key file {name}: {error.strerror or 'error'}", file=name
@@ -90,6 +95,12 @@ class Key:
             raise KeyFileError(
                 f"{name} is not a meshmark key, expected the line '{HEADER}' and a line of "
                 f"{2 * KEY_BYTES} lower-case hexadecimal digits",
+                file=name,
+            )
+        if os.name == "posix" and mode & _OTHERS and not force:
+            raise KeyFileError(
+                f"other users can read the key file {name} (mode {mode & 0o777:04o}), expected 0600: "
+                f"`chmod 600 {name}`, or --force to take it as it is",
                 file=name,
             )
         return cls(bytes.fromhex(match[1].decode()))

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from meshmark.document import Attributes, Document
+from meshmark.document import Attributes, Deviation, Document
 from meshmark.geometry.kd_tree import kd_tree
 from meshmark.io.formats import FORMATS, Converted
 from meshmark.io.gltf.parse import GltfDocument
@@ -74,6 +74,12 @@ class _Derived:
 
     def summary(self) -> dict[str, Any]:
         return self.base.summary()
+
+    def deviations(self) -> tuple[Deviation, ...]:
+        return self.base.deviations()
+
+    def looks(self) -> tuple[str, ...] | None:
+        return self.base.looks()
 
     def side_files(self) -> tuple[Path, ...]:
         return () if _gltf(self.base) is None else self.base.side_files()

@@ -10,7 +10,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from meshmark.document import Attributes
+from meshmark.document import Attributes, Deviation
 from meshmark.errors import FormatError
 from meshmark.io.gaps import Gaps
 from meshmark.io.polygons import check_indices
@@ -44,7 +44,8 @@ class Positions(Protocol):
 class PatchDocument:
     """A one-file document; see `meshmark.document.Document`.
 
-    load_attributes: reads the attributes when a conversion asks for them.
+    load_attributes: reads the attributes when a conversion asks for them. shown_too: what viewers show beside the
+    surface.
     """
 
     format: str
@@ -54,6 +55,7 @@ class PatchDocument:
     facts: Mapping[str, Any] = field(default_factory=dict)
     references: tuple[Path, ...] = ()
     remarks: tuple[str, ...] = ()
+    shown_too: tuple[Deviation, ...] = ()
 
     @property
     def vertices(self) -> FloatArray:
@@ -76,6 +78,14 @@ class PatchDocument:
         """Return what `meshmark info` prints beside counts."""
         return {"precision": self.positions.describe(), **self.facts}
 
+    def deviations(self) -> tuple[Deviation, ...]:
+        """Return in which ways a viewer shows something else than the surface."""
+        return self.shown_too
+
+    def looks(self) -> tuple[str, ...] | None:
+        """Return None: materials are not read."""
+        return None
+
     def side_files(self) -> tuple[Path, ...]:
         """Return existing files that the file refers to."""
         return self.references
@@ -91,6 +101,7 @@ def patch_document(
     references: tuple[Path, ...] = (),
     remarks: tuple[str, ...] = (),
     gaps: Gaps | None = None,
+    shown_too: tuple[Deviation, ...] = (),
 ) -> PatchDocument:
     """Check what was read, and return its document.
 
@@ -111,4 +122,5 @@ def patch_document(
         facts=facts,
         references=references,
         remarks=remarks,
+        shown_too=shown_too,
     )

@@ -13,6 +13,8 @@ import numpy as np
 from meshmark.errors import InputError, MeshmarkError, OutputError
 from meshmark.io.conversion import converted
 from meshmark.io.formats import FORMATS, Format, check_extension, format_of_name
+from meshmark.io.gzip_data import MOST_BYTES
+from meshmark.io.inside import read_inside
 from meshmark.io.source import SourceFile
 from meshmark.io.staging import Staging
 from meshmark.mesh import Mesh
@@ -95,6 +97,7 @@ def write_mesh(
     if recompress:
         check_recompression(mesh, path)
     source = document if isinstance(document, SourceFile) else None
+    origin = None if source is None else source.path
     inputs = input_files(mesh)
     target = _checked_target(path, inputs)
     if document is not None:
@@ -119,13 +122,19 @@ def write_mesh(
     main = files.pop(path.name)
     try:
         present = _present(files, target)
-        files |= {name: origin.read_bytes() for name, origin in copies.items() if name not in files}
+        files |= {name: _side_file(source, name) for name in copies if name not in files}
         places = {target: main, **{target.parent / name: data for name, data in files.items()}}
         with ExitStack() as owned:
             stage = owned.enter_context(Staging()) if staging is None else staging
             stage.keep(*inputs)
             staged = [
-                stage.put(place, data, target.parent, move=place not in present)
+                stage.put(
+                    place,
+                    data,
+                    target.parent,
+                    move=place not in present,
+                    like=copies.get(os.path.relpath(place, target.parent), origin),
+                )
                 for place, data in places.items()
             ]
             if verify is not None:
@@ -242,6 +251,13 @@ def _present(files: Mapping[str, bytes], target: Path) -> set[Path]:
                 "choose another folder"
             )
     return present
+
+
+def _side_file(source: SourceFile | None, name: str) -> bytes:
+    """Return the bytes of a file beside a model, opened without following links."""
+    if source is None:
+        raise InputError(f"{name} belongs to no file that was read")
+    return read_inside(source.path.parent, name, MOST_BYTES)
 
 
 def _side_copies(source: SourceFile, folder: Path) -> dict[str, Path]:

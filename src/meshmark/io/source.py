@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
-from meshmark.document import Attributes, Document
+from meshmark.document import Attributes, Deviation, Document
 from meshmark.errors import FormatError, InputError
 from meshmark.io.formats import FORMATS, Format, detect_format
 from meshmark.io.gzip_data import GZIP_MAGIC, MOST_BYTES, gzipped, unpacked
@@ -131,6 +131,14 @@ class SourceFile:
     def summary(self) -> dict[str, Any]:
         """Return what `meshmark info` prints beside counts."""
         return {**self.document.summary(), "gzipped": self.packed is not None}
+
+    def deviations(self) -> tuple[Deviation, ...]:
+        """Return in which ways a viewer shows something else than the surface."""
+        return self.document.deviations()
+
+    def looks(self) -> tuple[str, ...] | None:
+        """Return what the surface is painted with."""
+        return self.document.looks()
 
     def side_files(self) -> tuple[Path, ...]:
         """Return existing files that the file refers to."""

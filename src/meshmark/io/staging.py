@@ -15,6 +15,7 @@ import os
 import shutil
 import tempfile
 from collections.abc import Callable, Iterable
+from functools import partial
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -29,15 +30,18 @@ class Staging:
     """Files that are to be written by one command or function; use as a context manager.
 
     replace: existing files may be replaced; keys and the files to keep never are.
-    keep: files that are not to be touched, under whatever name: the inputs.
+    keep: files that are not to be touched, under whatever name: the inputs. like: a file that the others are made
+    of: none of them is readable to more users than it is.
     """
 
-    def __init__(self, replace: bool = True, keep: Iterable[Path] = ()) -> None:
+    def __init__(self, replace: bool = True, keep: Iterable[Path] = (), like: Path | None = None) -> None:
         self.replace = replace
+        self.like = like
         self._kept = list(keep)
         self._folders: dict[Path, Path] = {}
         self._open: set[Path] = set()
         self._staged: dict[Path, Path] = {}
+        self._homes: dict[Path, Path] = {}
         self._undo = contextlib.ExitStack()
 
     @property
@@ -49,23 +53,34 @@ class Staging:
         """Add files that are not to be touched."""
         self._kept += paths
 
-    def put(self, path: Path | str, data: bytes, home: Path | None = None, move: bool = True) -> Path:
+    def put(
+        self,
+        path: Path | str,
+        data: bytes,
+        home: Path | None = None,
+        *,
+        move: bool = True,
+        like: Path | None = None,
+    ) -> Path:
         """Write a file under a temporary name and return that; a link is followed.
 
         home: folder above `path` that holds the temporary names, in which files refer to each other as in their
-        places; the file's own folder if None. move: False for a file that has its place already, with this content.
+        places, and through no link; the file's own folder if None. move: False for a file that has its place
+        already, with this content. like: the file that this one is a copy of, or made of, instead of all files'.
         Raises `OutputError` where the file cannot be written or its place is taken, `InputError` where another
         file goes there.
         """
         place = Path(os.path.realpath(path)) if home is None else Path(path)
         try:
+            if home is not None:
+                refuse_links(place, home)
             if move:
                 refuse_place(place, self._kept, self.replace)
                 self._refuse_double(place)
             folder = self.folder(place.parent if home is None else home, whole=False)
             staged = folder / place.relative_to(place.parent if home is None else home)
             staged.parent.mkdir(parents=True, exist_ok=True)
-            with staged.open("xb") as stream:
+            with open(staged, "xb", opener=partial(_opened, like=like or self.like)) as stream:
                 stream.write(data)
                 stream.flush()
                 os.fsync(stream.fileno())
@@ -73,6 +88,7 @@ class Staging:
             raise _failure(path, error) from None
         if move:
             self._staged[place] = staged
+            self._homes[place] = place.parent if home is None else home
         return staged
 
     def folder(self, home: Path, whole: bool = True) -> Path:
@@ -114,9 +130,11 @@ class Staging:
             folder = self._folders[home]
             found = [path for path in sorted(folder.rglob("*")) if path.is_file()]
             self._staged |= {home / path.relative_to(folder): path for path in found}
+            self._homes |= dict.fromkeys((home / path.relative_to(folder) for path in found), home)
         with self._undo:
             for place, staged in reversed(list(self._staged.items())):
                 try:
+                    refuse_links(place, self._homes.get(place, place.parent))
                     refuse_place(place, self._kept, self.replace)
                     self._make_folder(place.parent)
                     self._take(place, staged)
@@ -142,6 +160,26 @@ class Staging:
         _copy_aside(place, old)
         self._undo.callback(_quietly, old.replace, place)
         staged.replace(place)
+
+
+def refuse_links(place: Path, home: Path) -> None:
+    """Raise `OutputError` where a folder between `home` and `place`, below it, is a link to another folder."""
+    for folder in place.parents:
+        if folder == home or not folder.is_relative_to(home):
+            return
+        if folder.is_symlink():
+            raise OutputError(
+                f"cannot write {place}: {folder} is a link, expected a folder inside {home}", file=place
+            )
+
+
+def _opened(path: str, flags: int, like: Path | None = None) -> int:
+    """Open a new file, with the permissions of another one at most, but its owner's."""
+    mode = 0o666
+    if like is not None:
+        with contextlib.suppress(OSError):
+            mode &= like.stat().st_mode | 0o600
+    return os.open(path, flags, mode)
 
 
 def refuse_place(place: Path, kept: Iterable[Path], replace: bool) -> None:

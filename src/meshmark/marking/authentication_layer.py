@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import islice
 
@@ -81,7 +82,7 @@ def with_authentication(base: Base, request: MarkRequest) -> Authenticated:
         try:
             for chosen in islice(carrying, _READ):
                 try:
-                    return _marked(base, request, chosen)
+                    return _bound_or_not(base, request, chosen)
                 except _UnreadError as error:
                     refusal = error
         except CapacityError as error:
@@ -89,8 +90,20 @@ def with_authentication(base: Base, request: MarkRequest) -> Authenticated:
     raise refusal
 
 
+def _bound_or_not(base: Base, request: MarkRequest, chosen: Planned) -> Authenticated:
+    """Return marks whose symbols are bound to their places; where these are not found again, marks that are not."""
+    if chosen.plan.places_itself:
+        with suppress(_UnplacedError):
+            return _marked(base, request, chosen, bound=True)
+    return _marked(base, request, chosen, bound=False)
+
+
 class _UnreadError(CapacityError):
     """The marks of authentication are not read back as they should."""
+
+
+class _UnplacedError(_UnreadError):
+    """The marks hold, but do not tell where the model lies, so that the payload bound to places is not read."""
 
 
 def _choices(planned: Planned, key: Key) -> Iterator[Planned]:
@@ -100,20 +113,28 @@ def _choices(planned: Planned, key: Key) -> Iterator[Planned]:
         yield replace(planned, plan=plan(planned.plan.surface, key, planned.precision.error, choice))
 
 
-def _marked(base: Base, request: MarkRequest, planned: Planned) -> Authenticated:
-    """Return the marks of one plan; raises `CapacityError` where they do not hold."""
+def _marked(base: Base, request: MarkRequest, planned: Planned, *, bound: bool) -> Authenticated:
+    """Return the marks of one plan; raises `CapacityError` where they do not hold.
+
+    bound: their symbols are bound to their places, which the marks of small models cannot tell.
+    """
     surface, precision = planned.plan.surface, planned.precision
     symbols, symbol_bits = len(np.unique(planned.plan.payload_index)), planned.plan.symbol_bits
     whole = whole_of(surface, precision.error, scene_of(planned.mesh))
+    whole = replace(whole, shown=request.shown, once=planned.plan.once)
     packed, remarks = content_for(request.content, surface, whole, symbols, symbol_bits)
-    marked = mark(planned.plan, request.key, request.id, encoder(packed, symbol_bits, symbols))
+    source = encoder(packed, symbol_bits, symbols)
+    marked = mark(planned.plan, request.key, request.id, source, bound=bound)
     moved = (marked.points != surface.points).any(axis=1)[surface.point_of_vertex]
     vertices = np.where(moved[:, None], marked.points[surface.point_of_vertex], planned.mesh.vertices)
     result = planned.mesh.with_vertices(conform(base.original, vertices))
     surface_of_moved(
         result, planned.mesh
     )  # remembered, so that `examine` welds only what rounding has joined
-    if not authentic(found := examine(as_shown(result), request.key), request.id):
+    found = examine(as_shown(result), request.key)
+    if bound and found.marked and found.payload is None:
+        raise _UnplacedError("the marks of authentication do not tell where the model lies")
+    if not authentic(found, request.id):
         raise _UnreadError(
             "the marks of authentication cannot be read back from the positions the file can hold"
         )

@@ -8,6 +8,7 @@ from time import perf_counter
 
 from meshmark.authentication.marks.planning import plans
 from meshmark.authentication.payload.content import Content
+from meshmark.authentication.shown_otherwise import packed_deviations
 from meshmark.coding.keys import Key
 from meshmark.errors import CapacityError
 from meshmark.marking.authentication_layer import Base, with_authentication
@@ -78,6 +79,7 @@ def embed(
     request = MarkRequest.checked(
         key, id=id, strength=strength, layers=layers, payload=payload, tolerance=tolerance
     )
+    request = replace(request, shown=packed_deviations(mesh.document))
     once = distinct(mesh)  # copies of one mesh are marked as one
     original = mesh if once is None else once.mesh
     made = _marked(original, request)

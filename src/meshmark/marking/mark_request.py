@@ -21,7 +21,8 @@ class MarkRequest:
     """The arguments of `embed`, checked, with the payload's file read and the id drawn.
 
     layers: one of `LAYERS`, None for both where they fit. tolerance: as in `precisions_of`. optional: the
-    authentication layer may be left out where it does not fit.
+    authentication layer may be left out where it does not fit. shown: how the model's file shows something else
+    than its surface (`shown_otherwise.packed_deviations`).
     """
 
     key: Key
@@ -31,6 +32,7 @@ class MarkRequest:
     content: Asked
     tolerance: str | None
     optional: bool
+    shown: bytes = b""
 
     @classmethod
     def checked(

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from meshmark.authentication.as_written import with_written
+from meshmark.authentication.shown_otherwise import with_shown
 from meshmark.certificate.binding import bound, mismatch, refuse_edited
 from meshmark.certificate.certificate import Certificate
 from meshmark.certificate.sealing import TAG_BYTES, open_sealed, seal
@@ -73,9 +74,10 @@ def sealed(
 ) -> Certificate:
     """Return the certificate of `marked` bound to key and id, with undo data where there is an original.
 
-    That of a model with the id alone also keeps what the model was like.
+    It keeps how the marked file shows something else than its surface, and that of a model with the id alone also
+    what the model was like.
     """
-    made = certificate
+    made = with_shown(certificate, marked.document, key)
     if made.more.get("layers") == "ownership":
         made = with_written(made, marked, key)
     if original is not None:

@@ -5,9 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from typing import Any
 
+from meshmark.coding.chance import band
+from meshmark.coding.elapsed import rounded_up
 from meshmark.coding.message import format_id
 
 __all__ = ["Evidence", "Extraction"]
+
+_DIAGNOSTIC = ("carriers", "carriers_agreeing", "lock_score")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -22,10 +26,15 @@ class Evidence:
     id: int | None
     log10_false_positive: float
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return the fields, the id in hexadecimal."""
+    def to_dict(self, *, diagnose: bool = False) -> dict[str, Any]:
+        """Return the fields, the id in hexadecimal; the bound in bands unless `diagnose`."""
         identity = None if self.id is None else format_id(self.id)
-        return {"layer": self.layer, "id": identity, "log10_false_positive": self.log10_false_positive}
+        bound = self.log10_false_positive
+        return {
+            "layer": self.layer,
+            "id": identity,
+            "log10_false_positive": bound if diagnose else band(bound),
+        }
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -54,10 +63,18 @@ class Extraction:
     evidence: tuple[Evidence, ...] = ()
     ids: tuple[int, ...] = ()
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return the JSON fields, the id in hexadecimal."""
+    def to_dict(self, *, diagnose: bool = False) -> dict[str, Any]:
+        """Return the JSON fields, the id in hexadecimal.
+
+        diagnose: with carriers and lock, exact bounds and time, which tell whoever asks often enough how to take
+        the mark off; without it the bound is one of `BANDS`, the time one of `SECONDS`.
+        """
         values = {entry.name: getattr(self, entry.name) for entry in fields(self)}
         values["id"] = None if self.id is None else format_id(self.id)
         values["ids"] = [format_id(each) for each in self.ids]
-        values["evidence"] = [entry.to_dict() for entry in self.evidence]
+        values["evidence"] = [entry.to_dict(diagnose=diagnose) for entry in self.evidence]
+        if not diagnose:
+            values = {name: value for name, value in values.items() if name not in _DIAGNOSTIC}
+            values["log10_false_positive"] = band(self.log10_false_positive)
+            values["seconds"] = rounded_up(self.seconds)
         return values

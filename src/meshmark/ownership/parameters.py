@@ -12,6 +12,7 @@ __all__ = [
     "CARRIER_ENOUGH",
     "CARRIER_GOAL",
     "CARRIER_MINIMUM",
+    "CARRIER_MOST",
     "CARRIER_PLENTY",
     "CARRIER_READABLE",
     "CREDIBLE_LOG10",
@@ -76,6 +77,8 @@ CARRIER_MINIMUM: Final = 110
 HOPELESS_BITS: Final = 50.0
 # Fewer carriers than this are not read at all: nothing could be decided from them.
 CARRIER_READABLE: Final = 60
+# Nor are more than these: no embedding takes a spacing so fine, and what looks at pairs of cells would not fit.
+CARRIER_MOST: Final = 3000
 # Spacings tried around the preferred one, nearest first; thin walls need finer ones.
 SPACING_ORDER: Final = (0, 1, 2, 3, -1, 4, 5, -2)
 
@@ -135,7 +138,7 @@ TYPICAL_STEP: Final = 0.1
 # Number of peaks of the lock that are polished for each step, and number of corrections of a reading that are
 # decoded.
 LOCK_PEAKS: Final = 6
-LOCK_CANDIDATES: Final = 8
+LOCK_CANDIDATES: Final = 5
 # A lock less likely than 10^this by chance, over its own search, is worth measuring anew where it puts the model.
 CREDIBLE_LOG10: Final = -0.5
 # Frames that a cropped model may have had, so far apart (RMS motion over scale); the standard deviation of what is

@@ -15,7 +15,7 @@ from meshmark.ownership.carriers.cells import Cells
 from meshmark.ownership.carriers.quantisation import lock_score
 from meshmark.ownership.observation import Observation
 
-__all__ = ["best_correction", "corrected_phase", "shifts"]
+__all__ = ["best_correction", "best_corrections", "corrected_phase", "shifts"]
 
 # Expected size of each part of the correction, in radians RMS over the cells: of a part of the pose, and of a part
 # of the bending where it has its typical size.
@@ -46,17 +46,16 @@ def corrected_phase(seen: Observation) -> FloatArray:
     bending = np.clip(bending / (typical + TINY * step), -LARGEST, LARGEST)
     response = np.hstack([POSE_EXPECTED * pose, BENDING_EXPECTED * bending])
     deviation = float(np.sqrt(len(phase) / 2.0))
-    best, best_score = phase, float(lock_score(seen.psi, weight))
-    for start, margin in STARTS:
-        turned = phase + bending @ np.array(start)
-        correction = best_correction(
-            factor * turned, factor[:, None] * response, np.ones(response.shape[1]), weight
-        )
-        turned = turned + response @ correction
-        score = float(lock_score(factor * turned, weight)) - margin * deviation
-        if score > best_score:
-            best, best_score = turned, score
-    return np.asarray(best)
+    starts = np.array([start for start, _ in STARTS])
+    margins = np.array([margin for _, margin in STARTS]) * np.sqrt(len(phase) / 2.0)
+    turned = phase + starts @ bending.T
+    corrections = best_corrections(
+        factor * turned, factor[:, None] * response, np.ones(response.shape[1]), weight
+    )
+    turned = turned + corrections @ response.T
+    scores = lock_score(factor * turned, weight) - margins
+    best = int(np.argmax(scores))
+    return np.asarray(turned[best] if scores[best] > lock_score(seen.psi, weight) else phase)
 
 
 def shifts(cells: Cells) -> FloatArray:
@@ -75,27 +74,41 @@ def best_correction(
     psi: (n,) phases that do not depend on bits; response: (n, d) their change per unit; expected: (d,) standard
     deviations of y; weight: (n,) how much each counts.
     """
+    return np.asarray(best_corrections(psi[None], response, expected, weight)[0])
+
+
+def best_corrections(
+    psi: FloatArray, response: FloatArray, expected: FloatArray, weight: FloatArray
+) -> FloatArray:
+    """Return the corrections (k, d) of several sets of phases (k, n), as `best_correction` does, all at once."""
     held = 1.0 / expected**2
-    best = np.zeros(len(expected))
-    damping, value = 1e-2, -np.inf
-    turned = psi
+    best = np.zeros((len(psi), len(expected)))
+    value = _values(psi, best, held, weight)
+    damping = np.full(len(psi), 1e-2)
+    climbing = np.arange(len(psi))
+    diagonal = np.arange(len(expected))
     for _ in range(STEPS):
+        at = best[climbing]
+        turned = psi[climbing] + at @ response.T
         # Where a cosine is low its curvature points the wrong way; a little is kept.
         curved = weight * np.maximum(np.cos(turned), 0.1)
-        hessian = (response.T * curved) @ response + np.diag(held)
-        value = max(value, _value(turned, best, held, weight))
-        slope = -response.T @ (weight * np.sin(turned)) - held * best
-        moved = best + np.linalg.solve(hessian + damping * np.diag(np.diag(hessian)), slope)
-        ahead = psi + response @ moved
-        gain = _value(ahead, moved, held, weight) - value
-        if gain > 0.0:
-            best, turned, value, damping = moved, ahead, value + gain, damping / 3.0
-        else:
-            damping *= 5.0
-        if 0.0 < gain < 1e-6 * len(psi):
+        hessian = (curved[:, None, :] * response.T) @ response
+        hessian[:, diagonal, diagonal] += held
+        hessian[:, diagonal, diagonal] *= 1.0 + damping[climbing, None]
+        slope = -(weight * np.sin(turned)) @ response - held * at
+        ahead = at + np.linalg.solve(hessian, slope[..., None])[..., 0]
+        gain = _values(psi[climbing] + ahead @ response.T, ahead, held, weight) - value[climbing]
+        up = gain > 0.0
+        damping[climbing[up]] /= 3.0
+        damping[climbing[~up]] *= 5.0
+        best[climbing[up]] = ahead[up]
+        value[climbing] += np.maximum(gain, 0.0)
+        climbing = climbing[~up | (gain >= 1e-6 * psi.shape[1])]
+        if not len(climbing):
             break
     return best
 
 
-def _value(turned: FloatArray, correction: FloatArray, held: FloatArray, weight: FloatArray) -> float:
-    return float(weight @ np.cos(turned) - 0.5 * held @ correction**2)
+def _values(turned: FloatArray, corrections: FloatArray, held: FloatArray, weight: FloatArray) -> FloatArray:
+    """Return (k,) what `best_correction` maximises."""
+    return np.asarray(np.cos(turned) @ weight - 0.5 * (corrections**2) @ held)

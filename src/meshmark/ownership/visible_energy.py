@@ -18,7 +18,7 @@ LEAST_AREA = 0.1
 STEEPEST = 40.0
 # Energy of a displacement itself beside that of its slopes, per spacing^2: bumps decay within 1 / sqrt of this, so
 # that they hardly touch cells of other keys' lattices (docs/decisions/0019).
-DECAY = 4.0
+DECAY = 8.0
 # Width in spacings over which what is noticed is averaged.
 AVERAGE = 0.3
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from meshmark.coding.chance import in_words
+from meshmark.coding.chance import band, in_words
 from meshmark.geometry.surface import Surface
 from meshmark.geometry.view import from_behind, three_quarter_view
 from meshmark.geometry.weld import weld
@@ -36,6 +36,7 @@ RED = np.array([0.62, 0.012, 0.012])
 """Linear RGB of what is altered."""
 _TITLES = {
     "authentic": "Authentic",
+    "surface_intact": "Surface intact, but the file shows something else",
     "altered": "Altered",
     "not_marked": "Not marked with this key",
     "inconclusive": "Inconclusive",
@@ -43,6 +44,8 @@ _TITLES = {
 _UNSIGNED = "Only the id"
 _NEXT = {
     "authentic": "The model is as it was when it was marked. It may have been turned, resized, moved or converted.",
+    "surface_intact": "The pictures show the surface alone, which is as it was when it was marked. What a viewer "
+    "shows of this file is named above.",
     "altered": "Red is what was moved, made, or exposed by a deletion. <code>meshmark recover</code> brings the "
     "altered parts back, as far as the miniature in the intact part holds them.",
     "not_marked": "Either this model was never marked with this key, or it was changed everywhere.",
@@ -114,6 +117,7 @@ def _facts(mesh: Mesh, found: Authentication) -> list[tuple[str, str]]:
             "Altered",
             f"{found.altered_vertices:,} vertices, {_percent(found.altered_area_fraction)} of the surface",
         ),
+        *(("Shown otherwise", cause.sentence) for cause in found.causes),
         ("Id", "none" if found.id is None else f"{found.id:016x}"),
         ("Payload", payload),
         ("Without the key", _chance(found)),
@@ -184,7 +188,7 @@ def _numbers(panel: Panel, view: FloatArray, region: IntArray) -> tuple[_Number,
 
 
 def _chance(found: Authentication) -> str:
-    words = in_words(found.log10_false_positive).replace("^-", "^−")
+    words = in_words(band(found.log10_false_positive)).replace("^-", "^−")
     return f"chance of such marks {words}" if found.id is not None else "–"
 
 

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Protocol, cast, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from meshmark.document import Attributes, Document
+from meshmark.document import Attributes, Deviation, Document
 from meshmark.geometry.affine import Affine
 from meshmark.geometry.surface import Surface
 from meshmark.io.file_precision import conform
@@ -153,6 +153,12 @@ class _Inner:
 
     def summary(self) -> dict[str, Any]:
         return self._base.summary()
+
+    def deviations(self) -> tuple[Deviation, ...]:
+        return self._base.deviations()
+
+    def looks(self) -> tuple[str, ...] | None:
+        return self._base.looks()
 
     def side_files(self) -> tuple[Path, ...]:
         return self._base.side_files()

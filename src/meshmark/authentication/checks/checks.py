@@ -2,27 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from meshmark.authentication.checks.in_place import Evidence, Scale, in_place
+from meshmark.authentication.checks.carried import Carried, Expected, carried
+from meshmark.authentication.checks.in_place import in_place
+from meshmark.authentication.checks.model_frame import ModelFrame, Scale, evidence_of
 from meshmark.authentication.checks.ring_reading import chance_of
 from meshmark.authentication.checks.setting_search import likeliest_setting
 from meshmark.authentication.checks.sweep import sweep
-from meshmark.authentication.marks.candidates import (
-    PAYLOAD,
-    PLACE,
-)
+from meshmark.authentication.marks.candidates import HEADER, PAYLOAD, PLACE, Candidates
 from meshmark.authentication.marks.ring_shapes import ring_shapes
 from meshmark.authentication.marks.rings import Rings
 from meshmark.authentication.marks.rings_of import rings_of
-from meshmark.authentication.marks.symbols import (
-    directions,
-    place_values,
-)
-from meshmark.authentication.payload.payload import SymbolSource
+from meshmark.authentication.parameters import UNIT
 from meshmark.coding.keys import Key
 from meshmark.geometry.shown import Shown
 from meshmark.geometry.surface import Surface
@@ -40,39 +35,39 @@ class Checks:
 
     eligible: (p,) whose ring could have carried a mark, so that one of their closed ring does in an intact
     model. passed: (p,) whose mark holds. verified: (p,) in the closed ring of a mark that holds. nonce: the
-    model's id, None where the marks do not report one. index, value, vertex: (k,) payload symbols read, and the
-    points that carry them. symbol_bits: of each. step: that of a ring of spread 1, in scene units, as estimated
+    model's id, None where the marks do not report one. carried: payload symbols of the marks that are believed;
+    held: those of all marks that hold, also of those which the map rejects; more of them are wrong. symbol_bits: of
+    each. step: that of a ring of spread 1, in scene units, as estimated
     from the marks, 0 where there are none. log10_chance: bound on the chance that as many marks hold without the
-    key. new_boundary: (p,) on a boundary now, though a mark next to it says that it was not. scale: of the marked
-    model.
-    held_index, held_value, held_vertex: (s,) payload symbols of all marks that hold, also of those which the map
-    rejects; more of them are wrong.
+    key. new_boundary: (p,) on a boundary now, though a mark next to it says that it was not. frame: of the marked
+    model, None where it is not known. repeated: two marks that tell the id hold in rings that are alike, in
+    different places.
     """
 
     eligible: NDArray[np.bool_]
     passed: NDArray[np.bool_]
     verified: NDArray[np.bool_]
     nonce: int | None
-    index: NDArray[np.uint32]
-    value: NDArray[np.uint16]
-    vertex: IntArray
+    carried: Carried
+    held: Carried
     symbol_bits: int
     step: float
     log10_chance: float
     new_boundary: NDArray[np.bool_]
-    scale: Scale
-    held_index: NDArray[np.uint32]
-    held_value: NDArray[np.uint16]
-    held_vertex: IntArray
+    frame: ModelFrame | None
+    repeated: bool
+
+    @property
+    def scale(self) -> Scale:
+        """Return the scale of the marked model in the suspect's scene."""
+        return Scale() if self.frame is None else self.frame.scale
 
 
-def check(
-    surface: Surface, key: Key, nonce: int | None = None, payload: SymbolSource | None = None
-) -> Checks:
+def check(surface: Surface, key: Key, nonce: int | None = None, payload: Expected | None = None) -> Checks:
     """Read every point's ring as a mark of this key.
 
-    nonce: the model's id; None: the one that the marks report. payload: the expected symbols, where they have been
-    decoded; a mark that says another one does not hold.
+    nonce: the model's id; None: the one that the marks report. payload: what the marks should say, where it has
+    been decoded; a mark that says anything else does not hold.
     """
     points = surface.points
     rings = rings_of(surface)
@@ -85,6 +80,9 @@ def check(
     if swept is None:
         return _nothing(len(points))
     found, read = swept.found, swept.read
+    repeated = _repeated(surface, found, read.holds)
+    if payload is not None and payload.once:
+        read = replace(read, holds=read.holds & ~repeated)
     passed = np.zeros(len(points), bool)
     passed[found.vertex[read.holds]] = True
     pairs = _pairs(rings, passed)
@@ -94,15 +92,9 @@ def check(
     able = swept.able | new_boundary
     outdone = _outdone(pairs, found.vertex, np.where(read.holds, read.off, np.inf), len(points))
     place = read.holds & (found.kind == PLACE) & ~outdone[found.vertex]
-    evidence = Evidence(
-        vertex=found.vertex[place],
-        centre=found.centre[place],
-        direction=directions(found.take(place)),
-        value=place_values(read.symbol[place], layout.symbol),
-        step=2.0 / (1 << layout.symbol),
-    )
+    evidence = evidence_of(found.take(place), read.symbol[place], layout.symbol, setting.unit / UNIT)
     linked = np.concatenate([pairs, _copied(surface, passed, setting.unit)])
-    passed, scale = in_place(
+    placed = in_place(
         surface.edges,
         passed,
         linked,
@@ -110,6 +102,7 @@ def check(
         evidence,
         lucky=int(swept.rounded),
     )
+    passed = placed.believed
     pairs = pairs[passed[pairs[:, 0]]]
     held = read.holds & (found.kind == PAYLOAD)
     decoded = held & passed[found.vertex]
@@ -121,18 +114,29 @@ def check(
         passed=passed,
         verified=_vouched(pairs, passed) & ~new_boundary,
         nonce=swept.nonce,
-        index=found.index[decoded],
-        value=read.symbol[decoded].astype(np.uint16),
-        vertex=found.vertex[decoded],
+        carried=carried(found.take(decoded), read.symbol[decoded]),
+        held=carried(found.take(held), read.symbol[held]),
         symbol_bits=layout.symbol,
         step=setting.unit,
         log10_chance=chance_of(found, read.holds, layout),
         new_boundary=new_boundary,
-        scale=scale,
-        held_index=found.index[held],
-        held_value=read.symbol[held].astype(np.uint16),
-        held_vertex=found.vertex[held],
+        frame=placed.frame,
+        repeated=bool(repeated.any()),
     )
+
+
+def _repeated(surface: Surface, found: Candidates, holds: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return (c,): which marks that tell the id hold at several points in rings that are alike; a copy is none."""
+    repeated = np.zeros(len(holds), bool)
+    rows = np.flatnonzero(holds & (found.kind == HEADER))
+    point = found.vertex[rows]
+    point = surface.original[point] if isinstance(surface, Shown) else point
+    pairs, place = np.unique(
+        np.stack([found.words[rows, 0], point.astype(np.uint64)], axis=1), axis=0, return_inverse=True
+    )
+    _, ring, times = np.unique(pairs[:, 0], return_inverse=True, return_counts=True)
+    repeated[rows] = (times[ring] > 1)[place.reshape(-1)]
+    return repeated
 
 
 def _copied(surface: Surface, passed: NDArray[np.bool_], unit: float) -> IntArray:
@@ -192,20 +196,24 @@ def _outdone(pairs: IntArray, vertex: IntArray, off: FloatArray, count: int) -> 
 
 def _nothing(count: int) -> Checks:
     no = np.zeros(count, bool)
+    none = Carried(
+        index=np.empty(0, np.uint32),
+        value=np.empty(0, np.uint16),
+        vertex=np.empty(0, np.int64),
+        ring=np.empty(0, np.uint64),
+        centre=np.empty((0, 3)),
+    )
     return Checks(
         eligible=no,
         passed=no,
         verified=no,
         nonce=None,
-        index=np.empty(0, np.uint32),
-        value=np.empty(0, np.uint16),
-        vertex=np.empty(0, np.int64),
+        carried=none,
+        held=none,
         symbol_bits=0,
         step=0.0,
         log10_chance=0.0,
         new_boundary=no,
-        scale=Scale(),
-        held_index=np.empty(0, np.uint32),
-        held_value=np.empty(0, np.uint16),
-        held_vertex=np.empty(0, np.int64),
+        frame=None,
+        repeated=False,
     )

@@ -12,43 +12,22 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
+from meshmark.authentication.checks.model_frame import DOUBTS, Evidence, ModelFrame, fit_frame
 from meshmark.geometry.components import connected_components
-from meshmark.mesh import FloatArray, IntArray
+from meshmark.mesh import IntArray
 
-__all__ = ["Evidence", "Scale", "in_place"]
+__all__ = ["InPlace", "in_place"]
 
-# Fewer marks of the largest part that carry their place cannot say where the model lies.
-_NEEDED = 12
-# A part may be this far from its place, in steps of the symbol; half a step is rounding.
-_SLACK = 1.0
-# And this number of deviations of the fit, which a small part determines badly far away from it.
-_DOUBTS = 3.0
+# A part was moved where this number of its fine marks, and this share of them, lie elsewhere.
+_ELSEWHERE, _SHARE = 2, 0.25
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Evidence:
-    """What e marks say of their places.
+class InPlace:
+    """believed: (p,) the marks that hold and lie where they were. frame: of the marked model, None: not known."""
 
-    vertex: (e,). centre: (e, 3) of the ring in the suspect. direction: (e, 3) unit and value: (e,) where the
-    centre lay along it in the marked model, in half diagonals from the middle. step: of the value.
-    """
-
-    vertex: IntArray
-    centre: FloatArray
-    direction: FloatArray
-    value: FloatArray
-    step: float
-
-
-@dataclass(frozen=True)
-class Scale:
-    """Of the marked model in the suspect's scene.
-
-    half: of its diagonal, 0 where it is unknown; doubt: its relative standard deviation.
-    """
-
-    half: float = 0.0
-    doubt: float = 0.0
+    believed: NDArray[np.bool_]
+    frame: ModelFrame | None
 
 
 def in_place(
@@ -59,12 +38,12 @@ def in_place(
     evidence: Evidence,
     *,
     lucky: int = 0,
-) -> tuple[NDArray[np.bool_], Scale]:
-    """Return which of the marks that hold to believe, and the scale of the model according to them.
+) -> InPlace:
+    """Return which of the marks that hold to believe, and where the model lies according to them.
 
     Marks that share points of their rings are one part. The largest part is believed; another one where most of its
     own evidence agrees with the largest part's, or, without any, where it touches nothing that fails: a connected
-    component of its own.
+    component of its own. A mark that says that it lies far from where it does is believed in no part.
 
     Parameters
     ----------
@@ -83,27 +62,24 @@ def in_place(
 
     Returns
     -------
-    believed : (p,) bool array
-    scale : Scale
+    InPlace
     """
     part = _parts(pairs, len(passed))
     count = int(part.max(initial=-1)) + 1
     if not passed.any():
-        return passed, Scale()
+        return InPlace(believed=passed, frame=None)
     main = int(np.bincount(part[passed], minlength=count).argmax())
-    agrees, disputes, scale = _votes(part, main, evidence, count)
+    frame = fit_frame(evidence, part[evidence.vertex] == main)
+    agrees, moved, lost = _votes(part, frame, evidence, count, lucky)
     touched = np.zeros(count, bool)
     for start, end in (edges.T, edges[:, ::-1].T):
         touched[part[start[failing[end] & ~failing[start]]]] = True
     touched[part[failing]] = True
-    believed = np.where(disputes > agrees + lucky, False, (agrees >= _least(agrees, touched)))
+    believed = ~moved & (agrees >= np.where(touched, 2, 0))
     believed[main] = True
-    return passed & believed[part], scale
-
-
-def _least(agrees: IntArray, touched: NDArray[np.bool_]) -> IntArray:
-    """Return (parts,) how many marks must agree: two next to something that fails, else none."""
-    return np.where(touched, np.full_like(agrees, 2), 0)
+    found = passed & believed[part]
+    found[evidence.vertex[lost]] = False
+    return InPlace(believed=found, frame=frame)
 
 
 def _parts(pairs: IntArray, count: int) -> IntArray:
@@ -111,69 +87,22 @@ def _parts(pairs: IntArray, count: int) -> IntArray:
     return connected_components(graph)[1]
 
 
-def _votes(part: IntArray, main: int, evidence: Evidence, count: int) -> tuple[IntArray, IntArray, Scale]:
-    """Return how many marks of each part lie, and do not lie, where the largest part puts them; and its scale."""
-    own = part[evidence.vertex] == main
-    found = _misfit(evidence, own)
-    if found is None:
-        return np.zeros(count, np.int64), np.zeros(count, np.int64), Scale()
-    misfit, doubt, scale = found
-    right = misfit <= (0.5 + _SLACK) * evidence.step + _DOUBTS * doubt
-    where = part[evidence.vertex]
-    return np.bincount(where[right], minlength=count), np.bincount(where[~right], minlength=count), scale
-
-
-def _misfit(evidence: Evidence, own: NDArray[np.bool_]) -> tuple[FloatArray, FloatArray, Scale] | None:
-    """Return how far each mark lies from where it says, after the similarity that suits `own` (e,) best.
-
-    And how far off that similarity may be there: one standard deviation, from the rounding of the values; and the
-    scale. Few marks close together may suit a wrong similarity nearly as well as the right one. So one is also
-    fitted to the marks of all parts, and taken where it suits as many of `own` and more of the others.
+def _votes(
+    part: IntArray, frame: ModelFrame | None, evidence: Evidence, count: int, lucky: int
+) -> tuple[IntArray, NDArray[np.bool_], NDArray[np.bool_]]:
+    """Return how many coarse marks of each part lie where the largest part puts them, whether the part was moved,
+    and which marks (e,) lie far from where they say.
     """
-    if own.sum() < _NEEDED:
-        return None
-    fits = [_fit(evidence, own), _fit(evidence, np.ones(len(own), bool))]
-    near = (0.5 + _SLACK) * evidence.step
-    right = [fit[0] <= near for fit in fits]
-    best = max((0, 1), key=lambda i: (int(right[i][own].sum()), int(right[i].sum())))
-    return fits[best] if np.median(fits[best][0][own]) <= evidence.step else None
-
-
-def _fit(evidence: Evidence, fitted: NDArray[np.bool_]) -> tuple[FloatArray, FloatArray, Scale]:
-    """Return misfit (e,), its deviation (e,) and scale for the similarity of most of the marks `fitted` (e,)."""
-    from scipy.spatial.transform import Rotation
-
-    middle = evidence.centre[fitted].mean(axis=0)
-    points = evidence.centre - middle
-    size = float(np.sqrt((points[fitted] ** 2).sum(axis=1).mean()))
-    points /= size if size > 0.0 else 1.0
-    direction, value = evidence.direction, evidence.value
-    use = fitted
-    turn, scale, shift = _first_guess(points[use], direction[use], value[use])
-    for _ in range(8):
-        moved = scale * points @ turn.T
-        misfit = np.einsum("ei,ei->e", moved + shift, direction) - value
-        # A mark that may be in its place is no outlier: without it the others may suit another place as well.
-        widest = max(3.0 * float(np.median(np.abs(misfit[fitted]))), (0.5 + _SLACK) * evidence.step)
-        use = fitted & (np.abs(misfit) <= widest)
-        columns = [np.cross(moved, direction), direction, np.einsum("ei,ei->e", moved, direction)[:, None]]
-        rows = np.concatenate(columns, axis=1)
-        change = np.linalg.lstsq(rows[use], -misfit[use], rcond=1e-9)[0]
-        turn = Rotation.from_rotvec(change[:3]).as_matrix() @ turn
-        shift = shift + change[3:6]
-        scale *= float(np.exp(np.clip(change[6], -1.0, 1.0)))
-    misfit = np.einsum("ei,ei->e", scale * points @ turn.T + shift, direction) - value
-    spread = np.linalg.pinv(rows[use].T @ rows[use], hermitian=True) * evidence.step**2 / 12.0
-    doubt = np.sqrt(np.einsum("ei,ij,ej->e", rows, spread, rows).clip(min=0.0))
-    return np.abs(misfit), doubt, Scale((size or 1.0) / scale, float(np.sqrt(max(spread[6, 6], 0.0))))
-
-
-def _first_guess(
-    points: FloatArray, direction: FloatArray, value: FloatArray
-) -> tuple[FloatArray, float, FloatArray]:
-    """Return rotation, scale and shift near the affine map that suits best."""
-    columns = (direction[:, :, None] * points[:, None, :]).reshape(len(points), 9)
-    solved = np.linalg.lstsq(np.concatenate([columns, direction], axis=1), value, rcond=1e-6)[0]
-    u, s, vt = np.linalg.svd(solved[:9].reshape(3, 3))
-    sign = np.sign(np.linalg.det(u @ vt))
-    return np.asarray(u * [1.0, 1.0, sign] @ vt), float(s[:2].mean()), np.asarray(solved[9:])
+    if frame is None:
+        nothing = np.zeros(count, bool)
+        return np.zeros(count, np.int64), nothing, np.zeros(len(evidence.vertex), bool)
+    off, allowed = frame.off(evidence), frame.allowed(evidence, DOUBTS)
+    right, where, fine = off <= allowed, part[evidence.vertex], evidence.fine
+    # Where the fit is no better than half a period, a fine mark is right wherever it lies.
+    agree = np.bincount(where[right & ~fine], minlength=count)
+    dispute = np.bincount(where[~right & ~fine], minlength=count)
+    total = np.bincount(where[fine], minlength=count)
+    elsewhere = np.bincount(where[~right & fine], minlength=count)
+    moved = dispute > agree + lucky
+    moved |= (elsewhere >= _ELSEWHERE + lucky) & (elsewhere > _SHARE * total)
+    return agree, moved, frame.far(evidence)

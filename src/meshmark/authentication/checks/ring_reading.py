@@ -8,11 +8,11 @@ from math import log, log10
 import numpy as np
 from numpy.typing import NDArray
 
-from meshmark.authentication.marks.candidates import HEADER, PAYLOAD, Candidates
+from meshmark.authentication.checks.carried import Expected, carried
+from meshmark.authentication.marks.candidates import HEADER, PAYLOAD, PLACE, Candidates
 from meshmark.authentication.marks.symbols import header_symbols
 from meshmark.authentication.marks.words import bind, symbols_at
 from meshmark.authentication.parameters import LAYOUTS, LEVELS, Layout
-from meshmark.authentication.payload.payload import SymbolSource
 from meshmark.coding.keys import Key
 from meshmark.mesh import FloatArray, IntArray
 
@@ -37,7 +37,7 @@ class Read:
 
 
 def read_marks(
-    found: Candidates, key: Key, layout: Layout, nonce: int | None, payload: SymbolSource | None = None
+    found: Candidates, key: Key, layout: Layout, nonce: int | None, payload: Expected | None = None
 ) -> Read:
     """Return which candidates are marks; those of headers alone where the nonce (the model's id) is unknown.
 
@@ -65,7 +65,7 @@ def window_of(off: FloatArray) -> float:
 
 
 def _read(
-    found: Candidates, key: Key, layout: Layout, nonce: int | None, payload: SymbolSource | None
+    found: Candidates, key: Key, layout: Layout, nonce: int | None, payload: Expected | None
 ) -> tuple[IntArray, NDArray[np.bool_], NDArray[np.bool_]]:
     """Return the symbols (c,) of the whole places, whether they hold, and whether only without a boundary."""
     whole = found.whole
@@ -80,7 +80,9 @@ def _read(
         holds[header] &= symbol[header] == header_symbols(found.index[header], nonce, layout.symbol)
     if payload is not None:
         rows = np.flatnonzero(holds & (found.kind == PAYLOAD))
-        holds[rows] = symbol[rows] == payload(found.index[rows])
+        holds[rows] = payload.agrees(carried(found.take(rows), symbol[rows]))
+        rows = np.flatnonzero(holds & (found.kind == PLACE))
+        holds[rows] = payload.in_place(found.take(rows), symbol[rows])
     return symbol, holds, new_boundary
 
 

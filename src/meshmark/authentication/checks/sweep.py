@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from meshmark.authentication.checks.carried import Expected
 from meshmark.authentication.checks.ring_reading import Read, read_marks
 from meshmark.authentication.checks.setting_search import Setting, all_candidates, plain_candidates
 from meshmark.authentication.marks.candidates import (
@@ -21,7 +22,6 @@ from meshmark.authentication.marks.ring_shapes import RingShapes
 from meshmark.authentication.marks.rings import Rings
 from meshmark.authentication.marks.symbols import read_header
 from meshmark.authentication.marks.words import PURPOSE
-from meshmark.authentication.payload.payload import SymbolSource
 from meshmark.coding.keys import Key
 from meshmark.mesh import FloatArray
 
@@ -56,7 +56,7 @@ def sweep(
     key: Key,
     *,
     nonce: int | None,
-    payload: SymbolSource | None = None,
+    payload: Expected | None = None,
 ) -> Sweep | None:
     """Return what the rings of points (p, 3) say, None where no model's id is given or reported.
 

@@ -51,7 +51,7 @@ HEADER, PLACE, PAYLOAD = 0, 1, 2
 _TINY: Final = 1e-300
 # Number of marks in 32 that carry the id, and that carry their place.
 _HEADERS: Final = 3
-_PLACES: Final = 2
+_PLACES: Final = 4
 # Lengths such as 1 and 2, which regular rings have, must not lie on a rounding boundary.
 _SHIFT: Final = 0.381966
 

@@ -20,11 +20,12 @@ from meshmark.authentication.marks.candidates import (
     room,
     step_of,
 )
-from meshmark.authentication.marks.independent_points import independent_points
+from meshmark.authentication.marks.choice import alike, firm_first, firm_points
+from meshmark.authentication.marks.model_cells import cells_of, masks
 from meshmark.authentication.marks.ring_shapes import RingShapes, ring_shapes
 from meshmark.authentication.marks.rings import Rings
 from meshmark.authentication.marks.rings_of import rings_of
-from meshmark.authentication.marks.symbols import covers_id, header_symbols, place_symbols
+from meshmark.authentication.marks.symbols import covers_id, header_symbols, pieces_of_id, place_symbols
 from meshmark.authentication.marks.words import PURPOSE, bind, places_of, words_of
 from meshmark.authentication.parameters import (
     COVERING,
@@ -38,7 +39,6 @@ from meshmark.authentication.parameters import (
 from meshmark.coding.keyed import keyed_words, unit_interval
 from meshmark.coding.keys import Key
 from meshmark.errors import CapacityError, InputError
-from meshmark.geometry.connectivity import Connectivity
 from meshmark.geometry.surface import Surface
 from meshmark.mesh import FloatArray, IntArray
 
@@ -46,9 +46,12 @@ __all__ = ["Marked", "Plan", "SymbolSource", "mark", "plan"]
 
 # Fewest of the points that may be marks that then are, about: what needs more room than this is not tried.
 _MARK_SHARE = 0.22
-# A point's distance from its ring's middle, times how far errors turn the ring, over how far they move the place of
-# a mark there at all: beyond this, points carry marks only where no other can.
-_FIRM = 4.0
+# Where each piece of the id is carried by fewer marks than this on average, none is given up for its ring.
+_AMPLE = 6
+# How often other points are looked for where rings of marks that tell the id are alike.
+_UNALIKE = 3
+# Fewest marks that carry their place of a model whose symbols are bound to places; half of them do so coarsely.
+_PLACING = 48
 SymbolSource = Callable[[NDArray[np.uint32]], NDArray[np.uint16]]
 
 
@@ -59,7 +62,8 @@ class Plan:
     surface: that is to be marked. found: the m marks as their rings read before. payload_index: (payload_marks,)
     uint32 of the payload symbols; rings that are alike share one. layout: bits per mark. unit: smallest step, in
     scene units. covered: share of the points that faces use which are marks or in the ring of one, 0 to 1.
-    carries_id: the marks carry every piece of the model's id.
+    carries_id: the marks carry every piece of the model's id. once: no two marks that tell it have rings that are
+    alike.
     """
 
     surface: Surface = field(repr=False)
@@ -69,6 +73,7 @@ class Plan:
     unit: float
     covered: float
     carries_id: bool
+    once: bool
 
     @property
     def marks(self) -> IntArray:
@@ -79,6 +84,11 @@ class Plan:
     def symbol_bits(self) -> int:
         """Return the bits of a payload symbol."""
         return self.layout.symbol
+
+    @property
+    def places_itself(self) -> bool:
+        """Return whether enough marks tell where they lie for a reader to know where the model does."""
+        return int((self.found.kind == PLACE).sum()) >= _PLACING
 
     @property
     def payload_marks(self) -> int:
@@ -133,7 +143,7 @@ def plan(surface: Surface, key: Key, precision: float, choice: int = 0) -> Plan:
     purpose = "authentication choice of marks" + (f" {choice}" if choice else "")
     chance = unit_interval(keyed_words(key.subkey(purpose), len(points)))
     levels = _room(len(points), parts, unit)
-    firm = _firm(points, parts)
+    firm = firm_points(points, parts)
     fewest = min(layout.levels for layout in LAYOUTS.values())
     enough = COVERING * (levels >= fewest).sum()
     for wanted in (PSNR_WANTED, PSNR_LEAST):
@@ -142,9 +152,16 @@ def plan(surface: Surface, key: Key, precision: float, choice: int = 0) -> Plan:
             allowed = levels >= layout.levels
             if allowed.sum() < enough or _rms(parts, allowed, unit, layout) * sqrt(_MARK_SHARE) > most:
                 continue
-            chosen = _firm_first(surface.connectivity, allowed, firm, chance)
+            chosen = firm_first(surface.connectivity, allowed, firm, chance)
             if _rms(parts, chosen, unit, layout) <= most:
                 found = _found(points, parts, chosen, unit, key)
+                ample = (found.kind == HEADER).sum() >= _AMPLE * pieces_of_id(layout.symbol)
+                for _ in range(_UNALIKE if ample and len(alike(found)) else 0):
+                    # Others are taken where they can be for marks of rings that are alike.
+                    firm = firm.copy()
+                    firm[alike(found)] = False
+                    chosen = firm_first(surface.connectivity, allowed, firm, chance)
+                    found = _found(points, parts, chosen, unit, key)
                 return Plan(
                     surface=surface,
                     found=found,
@@ -153,13 +170,14 @@ def plan(surface: Surface, key: Key, precision: float, choice: int = 0) -> Plan:
                     unit=unit,
                     covered=_covered(parts, chosen),
                     carries_id=covers_id(found.index[found.kind == HEADER], layout.symbol),
+                    once=not len(alike(found)),
                 )
     raise CapacityError(
         "the precision of the file is too coarse for invisible marks of authentication, expected more digits"
     )
 
 
-def mark(plan: Plan, key: Key, nonce: int, symbols: SymbolSource) -> Marked:
+def mark(plan: Plan, key: Key, nonce: int, symbols: SymbolSource, *, bound: bool = False) -> Marked:
     """Return a surface with the marks that were planned, bound to the key, the nonce and the place.
 
     Parameters
@@ -171,6 +189,8 @@ def mark(plan: Plan, key: Key, nonce: int, symbols: SymbolSource) -> Marked:
         The model's 64-bit id.
     symbols : callable
         The payload's symbols for indices, (m,) uint32 -> (m,) uint16.
+    bound : bool
+        Bind symbols to their cells in the model (`model_cells`), which a reader must then find.
 
     Returns
     -------
@@ -191,6 +211,10 @@ def mark(plan: Plan, key: Key, nonce: int, symbols: SymbolSource) -> Marked:
     symbol[payload] = symbols(found.index[payload])
     if symbol.max(initial=0) >> layout.symbol:
         raise InputError(f"a payload symbol is out of range, expected {layout.symbol} bits")
+    if bound:
+        middle, radius = _frame(surface)
+        cells = cells_of((found.centre[payload] - middle) / radius, layout.symbol)
+        symbol[payload] ^= masks(key, nonce, layout.symbol)(found.words[payload, 0], cells)
     words = words_of(symbol, found.boundary, bind(found, key, nonce), layout)
     change = places_of(words, found.place, layout) - found.place
     points = surface.points.copy()
@@ -206,29 +230,6 @@ def mark(plan: Plan, key: Key, nonce: int, symbols: SymbolSource) -> Marked:
 
 _Part = tuple[Rings, RingShapes]
 _Parts = list[_Part]
-
-
-def _firm(points: FloatArray, parts: _Parts) -> NDArray[np.bool_]:
-    """Return (p,): the points that do not lie so far from the middle of a needle ring that its turning moves them.
-
-    What else an error does to a mark's place depends on the ring alone (`RingShapes.spread`).
-    """
-    firm = np.ones(len(points), bool)
-    for group, shape in parts:
-        far = np.linalg.norm(points[group.vertex] - shape.centre, axis=1)
-        firm[group.vertex] = far * shape.sway <= _FIRM * shape.spread * shape.size
-    return firm
-
-
-def _firm_first(
-    connectivity: Connectivity, allowed: NDArray[np.bool_], firm: NDArray[np.bool_], chance: FloatArray
-) -> NDArray[np.bool_]:
-    """Return (p,): a maximal set of `allowed` (p,) points without neighbours in it, `firm` (p,) ones first."""
-    chosen = independent_points(connectivity.edges, allowed & firm, chance)
-    if (allowed & ~firm).any():
-        free = allowed & ~chosen & ~(connectivity.graph @ chosen.astype(np.float64) > 0.0)
-        chosen |= independent_points(connectivity.edges, free, chance)
-    return chosen
 
 
 def _found(points: FloatArray, parts: _Parts, chosen: NDArray[np.bool_], unit: float, key: Key) -> Candidates:

@@ -9,9 +9,21 @@ from meshmark.authentication.marks.candidates import Candidates
 from meshmark.coding.keyed import unit_interval
 from meshmark.mesh import FloatArray, IntArray
 
-__all__ = ["covers_id", "directions", "header_symbols", "place_symbols", "place_values", "read_header"]
+__all__ = [
+    "covers_id",
+    "directions",
+    "fine_period",
+    "header_symbols",
+    "is_fine",
+    "pieces_of_id",
+    "place_symbols",
+    "place_values",
+    "read_header",
+]
 
 ID_BITS = 64
+# The period of fine places is the extent over 2 to this: a shift that coarse ones can tell, and more steps finer.
+_PERIOD_BITS = 6
 
 
 def header_symbols(index: NDArray[np.uint32], nonce: int, symbol_bits: int) -> IntArray:
@@ -36,21 +48,47 @@ def read_header(index: NDArray[np.uint32], symbols: IntArray, symbol_bits: int) 
 
 def covers_id(index: NDArray[np.uint32], symbol_bits: int) -> bool:
     """Return whether each piece of the id has an index (c,) that carries it."""
-    count = ID_BITS // _width(symbol_bits)
+    count = pieces_of_id(symbol_bits)
     return len(np.unique(index.astype(np.int64) % count)) == count
+
+
+def pieces_of_id(symbol_bits: int) -> int:
+    """Return how many pieces the id is carried in."""
+    return ID_BITS // _width(symbol_bits)
+
+
+def is_fine(index: NDArray[np.uint32]) -> NDArray[np.bool_]:
+    """Return which places (c,) are told finely, modulo `fine_period`."""
+    return np.asarray(index % 2 == 1)
+
+
+def fine_period(symbol_bits: int) -> float:
+    """Return the period of fine places, in half diagonals: some steps of the coarse ones."""
+    return float(2.0 ** (1 - min(_PERIOD_BITS, symbol_bits - 2)))
 
 
 def place_symbols(found: Candidates, frame: tuple[FloatArray, float], symbol_bits: int) -> IntArray:
     """Return where rings lie along a keyed direction of each, (c,), in a frame of middle and radius."""
     middle, radius = frame
     along = np.einsum("ri,ri->r", (found.centre - middle) / radius, directions(found))
-    whole = np.floor((along + 1.0) / 2.0 * (1 << symbol_bits)).astype(np.int64)
-    return np.asarray(np.clip(whole, 0, (1 << symbol_bits) - 1))
+    period = np.where(is_fine(found.index), fine_period(symbol_bits), 2.0)
+    share = (along + 1.0) / period
+    share = np.where(is_fine(found.index), share - np.floor(share), share)
+    return np.asarray(
+        np.clip(np.floor(share * (1 << symbol_bits)), 0, (1 << symbol_bits) - 1).astype(np.int64)
+    )
 
 
-def place_values(symbols: IntArray, symbol_bits: int) -> FloatArray:
-    """Return the middle (c,) of what each symbol of `place_symbols` says, -1 to 1."""
-    return np.asarray((symbols + 0.5) * 2.0 / (1 << symbol_bits) - 1.0)
+def place_values(
+    symbols: IntArray, fine: NDArray[np.bool_], symbol_bits: int
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the middle (c,) of what each symbol of `place_symbols` says, from -1; its step, and its period.
+
+    Both in half diagonals; the period is infinite of coarse places, which are not `fine` (c,).
+    """
+    span = np.where(fine, fine_period(symbol_bits), 2.0)
+    step = span / (1 << symbol_bits)
+    return (symbols + 0.5) * step - 1.0, step, np.where(fine, span, np.inf)
 
 
 def directions(found: Candidates) -> FloatArray:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from meshmark.authentication.payload.signed_totals import COPIES, SIZE, Whole
+from meshmark.authentication.payload.signed_totals import SIZE, Whole
 from meshmark.coding.erasure import erasure_code as erasure
 from meshmark.errors import CapacityError, InputError
 
@@ -30,8 +30,10 @@ SymbolSource = Callable[[NDArray[np.uint32]], NDArray[np.uint16]]
 KINDS = ("none", "miniature", "bytes", "image")
 """What a payload can be; the place in this list is its first byte."""
 HEAD = 1 + SIZE
-"""Bytes before the content: its kind, and what was signed off as a whole; more where the model shows copies."""
-_COPIES = 0x80
+"""Bytes before the content: its kind, and what was signed off as a whole; more where it shows copies or more."""
+# Set in the first byte of a model that shows copies, of one whose file showed something else than its surface, and
+# of one whose marks that tell the id have rings of which no two are alike.
+_COPIES, _SHOWN, _ONCE = 0x80, 0x40, 0x20
 INTACT = 0.55
 """Share of the marks that must be left for the payload: 60 % of a surface, less what its border breaks."""
 
@@ -55,18 +57,20 @@ def pack(kind: str, content: bytes = b"", whole: Whole | None = None) -> bytes:
     if kind == "none" and content:
         raise InputError(f"the payload 'none' has {len(content)} bytes of content, expected no content")
     whole = whole or Whole()
-    return bytes([KINDS.index(kind) | (_COPIES if whole.distinct else 0)]) + whole.packed() + content
+    flags = (_COPIES if whole.distinct else 0) | (_SHOWN if whole.shown else 0) | (_ONCE if whole.once else 0)
+    return bytes([KINDS.index(kind) | flags]) + whole.packed() + content
 
 
 def unpack(packed: bytes) -> Payload:
     """Undo `pack`; raises `InputError` where the first byte names no kind."""
-    kind, copies = (packed[0] & ~_COPIES, packed[0] & _COPIES) if packed else (len(KINDS), 0)
-    head = HEAD + (COPIES if copies else 0)
-    if len(packed) < head or kind >= len(KINDS):
+    kind = packed[0] & ~(_COPIES | _SHOWN | _ONCE) if packed else len(KINDS)
+    if len(packed) < HEAD or kind >= len(KINDS):
         raise InputError(
             "the payload is of a kind that this version does not know, expected a newer meshmark"
         )
-    return Payload(kind=KINDS[kind], content=packed[head:], whole=Whole.read(packed[1:head]))
+    copies, shown, once = (bool(packed[0] & flag) for flag in (_COPIES, _SHOWN, _ONCE))
+    whole, content = Whole.read(packed[1:], copies=copies, shown=shown, once=once)
+    return Payload(kind=KINDS[kind], content=content, whole=whole)
 
 
 def capacity(marks: int, symbol_bits: int, intact: float = INTACT) -> int:

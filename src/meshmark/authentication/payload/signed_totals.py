@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from meshmark.errors import InputError
 from meshmark.geometry.components import connected_components
 from meshmark.geometry.shown import Shown, times_of
 from meshmark.geometry.surface import Surface
@@ -41,28 +42,44 @@ class Whole:
     """points: that faces use, 0 where they are not counted; area: in squares of half the diagonal, 0: unknown.
 
     distinct: of a model that shows copies of a mesh, the points without them, 0 of any other.
+    shown: how its file showed something else than the surface (`shown_otherwise.packed_deviations`). once: no two
+    of its marks that tell the id have rings that are alike; not among the bytes.
     """
 
     points: int = 0
     area: float = 0.0
     distinct: int = 0
+    shown: bytes = b""
+    once: bool = False
 
     @property
     def more(self) -> int:
         """Return how many bytes more than `SIZE` it has when packed."""
-        return COPIES if self.distinct else 0
+        return (COPIES if self.distinct else 0) + (1 + len(self.shown) if self.shown else 0)
 
     def packed(self) -> bytes:
-        """Return `SIZE` bytes, `COPIES` more of a model that shows copies."""
-        more = _MORE.pack(self.distinct) if self.distinct else b""
-        return _FORM.pack(self.points, self.area) + more
+        """Return `SIZE` bytes, `COPIES` more of a model that shows copies, then the length and bytes of `shown`."""
+        copies = _MORE.pack(self.distinct) if self.distinct else b""
+        shown = bytes([len(self.shown)]) + self.shown if self.shown else b""
+        return _FORM.pack(self.points, self.area) + copies + shown
 
     @staticmethod
-    def read(packed: bytes) -> Whole:
-        """Undo `packed`."""
+    def read(packed: bytes, *, copies: bool, shown: bool, once: bool) -> tuple[Whole, bytes]:
+        """Undo `packed`; copies, shown: whether it has these. Returns what follows as well.
+
+        Raises `InputError` where there are too few bytes.
+        """
+        size = SIZE + (COPIES if copies else 0)
+        length = packed[size] if shown and len(packed) > size else 0
+        end = size + (1 + length if shown else 0)
+        if len(packed) < end:
+            raise InputError("the payload ends within its head, expected one that meshmark has made")
         points, area = _FORM.unpack(packed[:SIZE])
-        (distinct,) = _MORE.unpack(packed[SIZE:]) if len(packed) > SIZE else (0,)
-        return Whole(points=points, area=area, distinct=distinct)
+        (distinct,) = _MORE.unpack(packed[SIZE:size]) if copies else (0,)
+        whole = Whole(
+            points=points, area=area, distinct=distinct, shown=packed[end - length : end], once=once
+        )
+        return whole, packed[end:]
 
 
 def whole_of(surface: Surface, precision: float, scene: Distinct | None = None) -> Whole:

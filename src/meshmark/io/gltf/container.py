@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from meshmark.errors import FormatError
 from meshmark.io.gltf.json_text import load_json
 from meshmark.io.gltf.schema import Json, integer, objects, text
+from meshmark.io.inside import is_link_error, read_inside
 
 __all__ = ["TABLES", "Bytes", "Container", "Segment", "local_name", "open_glb", "open_gltf"]
 
@@ -206,14 +207,12 @@ def local_name(uri: str, where: str) -> str:
 
 
 def _beside(path: Path, name: str) -> Bytes:
-    target = path.parent / name
     try:
-        if not target.is_file():
-            raise FormatError(f"the buffer {name} that {path.name} refers to is not beside it")
-        if target.stat().st_size > _MOST_BYTES:
-            raise FormatError(f"the buffer {name} is larger than 4 GiB")
-        return np.frombuffer(target.read_bytes(), np.uint8)
+        return np.frombuffer(read_inside(path.parent, name, _MOST_BYTES), np.uint8)
+    except FileNotFoundError:
+        raise FormatError(f"the buffer {name} that {path.name} refers to is not beside it") from None
     except (OSError, ValueError) as error:
-        if isinstance(error, FormatError):
-            raise
-        raise FormatError(f"the buffer {name} that {path.name} refers to cannot be read: {error}") from None
+        why = (
+            "it is reached through a link" if is_link_error(error) else f"{getattr(error, 'strerror', error)}"
+        )
+        raise FormatError(f"the buffer {name} that {path.name} refers to cannot be read: {why}") from None

@@ -15,15 +15,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from meshmark.document import Attributes
+from meshmark.document import Attributes, Deviation
 from meshmark.errors import FormatError, InputError
 from meshmark.io.gltf.attributes import gltf_attributes, gltf_summary
 from meshmark.io.gltf.container import Container, open_glb, open_gltf
-from meshmark.io.gltf.patch import rebuild, referenced_files
+from meshmark.io.gltf.patch import rebuild, referenced_files, referenced_images
 from meshmark.io.gltf.points import Points, open_points
 from meshmark.io.gltf.scene import Scene, open_scene
 from meshmark.io.gltf.unpack import compressions, unpacked
 from meshmark.io.gltf.uses import check_uses
+from meshmark.io.image_magic import HEAD, is_image
+from meshmark.io.inside import head_inside, is_inside
 from meshmark.io.placement import Placement, place, pull_back
 from meshmark.mesh import FloatArray, IntArray
 
@@ -82,14 +84,33 @@ class GltfDocument:
         names = () if self.compressed is None else compressions(self.compressed)
         return {**gltf_summary(self.compressed or self.container, self.scene), "compression": list(names)}
 
+    def deviations(self) -> tuple[Deviation, ...]:
+        """Return in which ways a viewer shows something else than the surface. Raises `FormatError`."""
+        from meshmark.io.gltf.deviations import gltf_deviations
+
+        shown = self.vertices[np.unique(self.faces)]
+        diagonal = float(np.linalg.norm(np.ptp(shown, axis=0))) or 1.0
+        return gltf_deviations(self.container, self.scene, diagonal)
+
+    def looks(self) -> tuple[str, ...] | None:
+        """Return what the surface is painted with, a digest for each kind of material. Raises `FormatError`."""
+        from meshmark.io.gltf.looks import gltf_looks
+
+        return gltf_looks(self.container, self.scene)
+
     def side_files(self) -> tuple[Path, ...]:
-        """Return the existing images, and buffers without positions, beside the model."""
+        """Return the existing images, and buffers without positions, beside the model; images by what they hold."""
         held, folder = self._held(), self.container.path.parent
         listed = referenced_files(self.container)
         if self.compressed is not None:  # its buffers are still the input's, whatever a save writes
             listed = list(dict.fromkeys([*listed, *referenced_files(self.compressed)]))
+        images = referenced_images(self.container)
         names = [name for name in listed if name not in held]
-        return tuple(folder / name for name in names if (folder / name).is_file())
+        return tuple(
+            folder / name
+            for name in names
+            if (is_image(head_inside(folder, name, HEAD)) if name in images else is_inside(folder, name))
+        )
 
     def _held(self) -> set[str]:
         """Return the names of the buffers beside the model that hold positions of the surface."""

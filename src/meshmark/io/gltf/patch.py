@@ -18,7 +18,7 @@ from meshmark.io.gltf.container import Bytes, Container, Segment, local_name
 from meshmark.io.gltf.json_text import locate, replace
 from meshmark.io.gltf.uses import position_accessors
 
-__all__ = ["rebuild", "referenced_files"]
+__all__ = ["rebuild", "referenced_files", "referenced_images"]
 
 _Path = tuple[str | int, ...]
 
@@ -50,16 +50,24 @@ def rebuild(container: Container, blob: Bytes, name: str, held: Collection[str])
 
 def referenced_files(container: Container) -> list[str]:
     """Return the local files that images and unloaded buffers name, relative to the model's folder."""
+    return list(dict.fromkeys([*_local_names(container, "buffers"), *_local_names(container, "images")]))
+
+
+def referenced_images(container: Container) -> frozenset[str]:
+    """Return the local files that images alone name, relative to the model's folder."""
+    return frozenset(_local_names(container, "images")) - frozenset(_local_names(container, "buffers"))
+
+
+def _local_names(container: Container, key: str) -> list[str]:
     names = []
-    for key in ("buffers", "images"):
-        for item in container.tables[key]:
-            uri = item.get("uri")
-            if isinstance(uri, str) and not uri.startswith("data:"):
-                try:
-                    names.append(local_name(uri, key))
-                except FormatError:
-                    continue  # an address elsewhere stays valid wherever the model is saved
-    return list(dict.fromkeys(names))
+    for item in container.tables[key]:
+        uri = item.get("uri")
+        if isinstance(uri, str) and not uri.startswith("data:"):
+            try:
+                names.append(local_name(uri, key))
+            except FormatError:
+                continue  # an address elsewhere stays valid wherever the model is saved
+    return names
 
 
 def _content(blob: Bytes, segment: Segment) -> bytes:

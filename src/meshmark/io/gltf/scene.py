@@ -8,17 +8,15 @@ instances and level-of-detail extensions are not expanded.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from meshmark.errors import FormatError
 from meshmark.io.gltf.accessor import Accessor, open_accessor
 from meshmark.io.gltf.container import Container
-from meshmark.io.gltf.schema import Json, integer, numbers, objects, reference, references
-from meshmark.io.gltf.skin import skin_placement
+from meshmark.io.gltf.node_tree import open_nodes
+from meshmark.io.gltf.schema import Json, integer, objects, reference
 from meshmark.io.placement import Affine
 from meshmark.mesh import IntArray
 
@@ -31,17 +29,18 @@ _TRIANGLES, _STRIP, _FAN = 4, 5, 6
 # within 1 GB.
 _MOST, _MOST_COMPRESSED = (30_000_000, 60_000_000), (2_500_000, 5_000_000)
 
-# Exporters that multiply 32-bit matrices leave a last row that is 0 0 0 1 but for rounding.
-_AFFINE_WITHIN = 1e-3
-
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Primitive:
-    """Triangles (m, 3) of one primitive, as rows of its POSITION accessor, and its attributes by name."""
+    """Triangles (m, 3) of one primitive, as rows of its POSITION accessor, and its attributes by name.
+
+    item: the JSON object.
+    """
 
     position: int
     faces: IntArray
     attributes: dict[str, int]
+    item: Json
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -73,7 +72,8 @@ def open_scene(container: Container, *, compressed: bool = False) -> Scene:
     accessors: dict[int, Accessor] = {}
     primitives: dict[int, tuple[Primitive, ...]] = {}
     parts, faces, rows, total = [], list[IntArray](), 0, 0
-    for mesh, affine in _showings(container):
+    for showing in open_nodes(container).showings:
+        mesh, affine = showing.mesh, showing.affine
         if not affine.is_usable:
             continue
         if mesh not in primitives:
@@ -137,6 +137,7 @@ def primitives_of(container: Container, mesh: int, accessors: dict[int, Accessor
                 position=position,
                 faces=_faces(container, item, where, mode, accessors[position]),
                 attributes=attributes,
+                item=item,
             )
         )
     return tuple(found)
@@ -186,80 +187,3 @@ def _faces(container: Container, item: Json, where: str, mode: int, positions: A
     odd = np.arange(len(corners) - 2) % 2 == 1
     second, third = np.where(odd, corners[2:], corners[1:-1]), np.where(odd, corners[1:-1], corners[2:])
     return np.stack([corners[:-2], second, third], axis=1)
-
-
-def _showings(container: Container) -> list[tuple[int, Affine]]:
-    """Return (mesh, map to the scene) of each node with a mesh, parents first, in the order of the file."""
-    nodes, meshes = container.tables["nodes"], container.tables["meshes"]
-    if not nodes and not container.tables["scenes"]:
-        return [(mesh, Affine.identity()) for mesh in range(len(meshes))]
-    children = [references(node, "children", f"node {i}", nodes) for i, node in enumerate(nodes)]
-    parent: dict[int, int] = {}
-    for number, below in enumerate(children):
-        for child in below:
-            if child in parent:
-                raise FormatError(f"node {child} is a child twice, of {parent[child]} and of {number}")
-            parent[child] = number
-    roots = _roots(container, parent)
-    # With at most one parent each and starting from nodes without one, the walk meets no node twice.
-    stack = [(root, Affine.identity()) for root in reversed(roots)]
-    found: list[tuple[int, Affine, int | None]] = []
-    world: dict[int, Affine] = {}
-    while stack:
-        number, above = stack.pop()
-        node, where = nodes[number], f"node {number}"
-        affine = above.after(_local(node, where))
-        mesh = reference(node, "mesh", where, meshes)
-        if not (np.isfinite(affine.linear).all() and np.isfinite(affine.offset).all()):
-            raise FormatError(f"{where}: its transform is beyond the range of floating point numbers")
-        world[number] = affine
-        if mesh is not None:
-            found.append((mesh, affine, reference(node, "skin", where, container.tables["skins"])))
-        stack += [(child, affine) for child in reversed(children[number])]
-    return [
-        (mesh, affine if skin is None else skin_placement(container, skin, world))
-        for mesh, affine, skin in found
-    ]
-
-
-def _roots(container: Container, parent: dict[int, int]) -> list[int]:
-    nodes = container.tables["nodes"]
-    if "scenes" not in container.tree:
-        return [number for number in range(len(nodes)) if number not in parent]
-    roots: list[int] = []
-    for number, scene in enumerate(container.tables["scenes"]):
-        roots += references(scene, "nodes", f"scene {number}", nodes)
-    for root in roots:
-        if root in parent:
-            raise FormatError(
-                f"a scene lists node {root}, a child of node {parent[root]}, expected root nodes"
-            )
-    return list(dict.fromkeys(roots))
-
-
-def _local(node: Json, where: str) -> Affine:
-    """Return a node's own map, from its matrix (column by column) or translation, rotation, scale.
-
-    What breaks the specification is read as three.js and Blender read it: beside a matrix the other three do not
-    count, the last row of a matrix is taken as 0 0 0 1 where it is that but for rounding, and a rotation of length
-    zero turns nothing. A rotation of any other length is made a unit one, as Blender and trimesh do.
-    """
-    parts: dict[str, list[Any]] = {"translation": [0, 0, 0], "rotation": [0, 0, 0, 1], "scale": [1, 1, 1]}
-    if "matrix" in node:
-        matrix = np.array(numbers(node, "matrix", where, [0.0] * 16)).reshape(4, 4).T
-        if (np.abs(matrix[3] - [0, 0, 0, 1]) > _AFFINE_WITHIN).any():
-            raise FormatError(f"{where}: its matrix is not affine, expected the last row 0 0 0 1")
-        return Affine(matrix[:3, :3], matrix[:3, 3])
-    move, (x, y, z, w), scale = (numbers(node, key, where, default) for key, default in parts.items())
-    length = math.hypot(x, y, z, w)
-    if not math.isfinite(length):
-        raise FormatError(f"{where}: its rotation is beyond the range of floating point numbers")
-    x, y, z, w = (x / length, y / length, z / length, w / length) if length > 0 else (0.0, 0.0, 0.0, 1.0)
-    turn = np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-        ]
-    )
-    return Affine(turn * np.array(scale), np.array(move, dtype=np.float64))

@@ -6,11 +6,14 @@ import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path, PurePosixPath
 
+from meshmark.io.image_magic import HEAD, is_image
+from meshmark.io.inside import head_inside, read_inside
 from meshmark.io.obj.keyword_lines import Rows
 
 __all__ = ["material_files"]
 
 _IMAGE = re.compile(rb"[ \t]*(?:map_\w+|bump|disp|decal|refl|norm)[ \t]+(.+)", re.IGNORECASE)
+_MATERIAL = re.compile(rb"^[ \t]*newmtl\b", re.MULTILINE | re.IGNORECASE)
 # A material library is text of a few kilobytes; what is larger is none.
 _MAX_LIBRARY = 16 << 20
 
@@ -18,38 +21,42 @@ _MAX_LIBRARY = 16 << 20
 def material_files(libraries: Rows, path: Path) -> tuple[Path, ...]:
     """Return the existing libraries that `mtllib` lines of an OBJ file at `path` name, and their images.
 
-    Only files inside the model's folder count: a model must not make a save copy other files.
+    Only libraries that define a material, and images, inside the model's folder count: a model must not make a save
+    copy other files.
     """
     found: dict[Path, None] = {}
-    for library in _named(libraries.texts(), path.parent):
-        found[library] = None
-        if library.stat().st_size <= _MAX_LIBRARY:
-            try:
-                content = library.read_bytes()
-            except OSError:
-                continue
-            images = [line[1] for line in map(_IMAGE.match, content.splitlines()) if line]
-            found |= dict.fromkeys(_named(images, library.parent))
+    home = path.parent
+    for name in _named(libraries.texts()):
+        content = _library(home, name)
+        if content is None:
+            continue
+        found[home / name] = None
+        beside = PurePosixPath(name).parent
+        images = [line[1] for line in map(_IMAGE.match, content.splitlines()) if line]
+        for image in _named(images):
+            place = str(beside / image)
+            if is_image(head_inside(home, place, HEAD)):
+                found[home / place] = None
     return tuple(origin for origin in found if origin != path)
 
 
-def _named(lines: Iterable[bytes], folder: Path) -> Iterator[Path]:
+def _library(home: Path, name: str) -> bytes | None:
+    """Return the text of a material library, None for any other file."""
+    try:
+        content = read_inside(home, name, _MAX_LIBRARY)
+    except (OSError, ValueError):
+        return None
+    return content if _MATERIAL.search(content) and b"\0" not in content else None
+
+
+def _named(lines: Iterable[bytes]) -> Iterator[str]:
+    """Yield what may be the name of a file on each line, relative to the folder of the file with the lines."""
     for line in lines:
         words = line.decode("utf-8", "replace").split("#")[0].strip()
         # The name may have spaces, or options and other names before it.
         parts = words.split()
-        for name in dict.fromkeys([words, *parts, *(" ".join(parts[k:]) for k in range(1, len(parts)))][:20]):
-            if (place := _inside(folder, name)) is not None:
-                yield place
-
-
-def _inside(folder: Path, name: str) -> Path | None:
-    pure = PurePosixPath(name.replace("\\", "/"))
-    if pure.is_absolute() or ".." in pure.parts or ":" in name or "\0" in name:
-        return None
-    try:
-        place = folder / pure
-        inside = place.is_file() and place.resolve().is_relative_to(folder.resolve())
-    except OSError:
-        return None
-    return place if inside else None
+        names = [words, *parts, *(" ".join(parts[k:]) for k in range(1, len(parts)))]
+        for name in dict.fromkeys(names[:20]):
+            pure = PurePosixPath(name.replace("\\", "/"))
+            if pure.parts and not (pure.is_absolute() or ".." in pure.parts or ":" in name or "\0" in name):
+                yield str(pure)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import partial
 from pathlib import Path
 
+from meshmark.document import Deviation
 from meshmark.errors import FormatError
 from meshmark.io.obj.attributes import obj_attributes
 from meshmark.io.obj.keyword_lines import corner_indices, obj_lines
@@ -19,7 +20,7 @@ __all__ = ["parse_obj"]
 
 def parse_obj(data: bytes, path: Path) -> PatchDocument:
     """Read an OBJ file. Raises `FormatError` where it breaks the format."""
-    lines = obj_lines(data, (b"v", b"f", b"mtllib"), (b"vt", b"vn", b"o", b"g", b"usemtl"))
+    lines = obj_lines(data, (b"v", b"f", b"mtllib"), (b"vt", b"vn", b"o", b"g", b"usemtl", b"l", b"p"))
     points, polygons = lines.rows[b"v"], lines.rows[b"f"]
     if not len(points):
         raise FormatError("the file has no 'v' lines, expected an OBJ file with vertices")
@@ -42,6 +43,11 @@ def parse_obj(data: bytes, path: Path) -> PatchDocument:
         else ()
     )
     load = partial(obj_attributes, data)
+    shown_too = tuple(
+        Deviation(kind=kind, amount=1.0)
+        for kind, word in (("lines", b"l"), ("points", b"p"))
+        if lines.census[word]
+    )
     return patch_document(
         "obj",
         positions,
@@ -51,4 +57,5 @@ def parse_obj(data: bytes, path: Path) -> PatchDocument:
         references=references,
         remarks=remarks,
         gaps=positions.gaps,
+        shown_too=shown_too,
     )

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from meshmark.document import Deviation
 from meshmark.errors import FormatError
 from meshmark.geometry.groups import members
 from meshmark.io.binary_data import BinaryData
@@ -41,7 +42,11 @@ def parse_ply(data: bytes, _path: Path) -> PatchDocument:
     }
     load = partial(ply_attributes, header, source, columns, bool((sizes > 3).any()))
     gaps, together = positions.gaps, np.concatenate(faces)
-    return patch_document("ply", positions, together, load, facts=facts, remarks=remarks, gaps=gaps)
+    edges = any(entry.name == "edge" and entry.rows for entry in header.elements)
+    shown_too = (Deviation(kind="lines", amount=1.0),) if edges else ()
+    return patch_document(
+        "ply", positions, together, load, facts=facts, remarks=remarks, gaps=gaps, shown_too=shown_too
+    )
 
 
 def _source(data: bytes, header: PlyHeader) -> PlyData:

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from meshmark.document import Attributes
+from meshmark.document import Attributes, Deviation
 from meshmark.errors import FormatError, InputError
 from meshmark.io.placement import Affine, Placement, place, pull_back
 from meshmark.io.text.number_printing import format_numbers, round_numbers
@@ -76,6 +76,14 @@ class ThreeMfDocument:
                 encoding = self.parts[part].encoding
                 contents[part] = fresh if encoding == "utf-8" else fresh.decode().encode(encoding)
         return {name: self.package.with_parts(contents)}
+
+    def deviations(self) -> tuple[Deviation, ...]:
+        """Return none: what build items show is the surface."""
+        return ()
+
+    def looks(self) -> tuple[str, ...] | None:
+        """Return None: materials are not read."""
+        return None
 
     def attributes(self) -> Attributes:
         """Return what a conversion to another format may keep: no per-vertex data, only names."""

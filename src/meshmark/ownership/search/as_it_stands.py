@@ -12,6 +12,7 @@ from meshmark.geometry.sampling import plan_samples
 from meshmark.ownership.carriers.pose import Pose
 from meshmark.ownership.carriers.quantisation import lock_score
 from meshmark.ownership.parameters import (
+    CARRIER_MOST,
     CARRIER_PLENTY,
     CARRIER_READABLE,
     LONGEST_SAMPLE,
@@ -40,7 +41,7 @@ def readings_as_it_stands(search: Search) -> Iterator[Reading]:
         for lattice, other in product(lattices, others):
             cells = read_cells(samples, lattice, Pose.turned(frame.axes.T @ other.axes))
             fewest = min(fewest or len(cells.nodes), len(cells.nodes))
-            if fewest < CARRIER_READABLE:
+            if not CARRIER_READABLE <= fewest <= CARRIER_MOST:
                 break  # about as many whichever way the lattice lies
             charge = search.trials.charge()
             yield _at_best_step(Measurement.of(lattice, cells), charge)

@@ -20,6 +20,7 @@ from meshmark.ownership.carriers.grown_lock import MOST_FIRST, neighbourhoods
 from meshmark.ownership.carriers.lattice import Lattice
 from meshmark.ownership.carriers.pose import Pose, pose_gradient
 from meshmark.ownership.parameters import (
+    CARRIER_MOST,
     CARRIER_READABLE,
     CROP_APART,
     CROP_CARRIERS,
@@ -117,7 +118,7 @@ class _Place:
 def _grown(place: _Place, cluster: int, charge: float) -> Iterator[Reading]:
     """Yield what locks from one cluster of cells on, the one that takes fewest corrections or one of the next."""
     response = place.measured()
-    if len(response) < CARRIER_READABLE:
+    if not CARRIER_READABLE <= len(response) <= CARRIER_MOST:
         return
     places = response.measured.cells.nodes.astype(np.float64)
     typical = response.measured.turn(response.gradient, TYPICAL_STEP)

@@ -16,6 +16,7 @@ from meshmark.ownership.carriers.grown_lock import grown, neighbourhoods
 from meshmark.ownership.carriers.lock import LockSearch
 from meshmark.ownership.carriers.quantisation import log10_lock_chance
 from meshmark.ownership.parameters import (
+    CARRIER_MOST,
     CARRIER_READABLE,
     CREDIBLE_LOG10,
     LOCK_CANDIDATES,
@@ -45,7 +46,7 @@ def locked_readings(
     charge: of this trial (`TrialCounter`); each reading pays for the corrections of all steps besides.
     """
     response = shapes.response(hypothesis)
-    if len(response) < CARRIER_READABLE:
+    if not CARRIER_READABLE <= len(response) <= CARRIER_MOST:
         return
     expected = np.concatenate([LOCK_EXPECTED, hypothesis.restoration.expected])
     found = []
@@ -87,7 +88,7 @@ def grown_readings(
     drift: expected deviation of the frame, over the usual one; charge: of this trial.
     """
     response = shapes.response(hypothesis)
-    if len(response) < CARRIER_READABLE:
+    if not CARRIER_READABLE <= len(response) <= CARRIER_MOST:
         return
     expected = np.concatenate([LOCK_EXPECTED * drift, hypothesis.restoration.expected])
     places = response.measured.cells.nodes.astype(np.float64)

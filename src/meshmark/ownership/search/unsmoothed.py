@@ -118,7 +118,8 @@ def _guesses(search: Search, shapes: Shapes, points: FloatArray) -> Iterator[_Gu
     shape = Shape(points)
     frame = shapes.frame(shape)
     turns = list(frame_alternatives(frame, search.wide, SURELY_SKEW))
-    labels = search.labels(shapes.invariants(shape))
+    # Many shapes are tried, and of the right one the first label is the right one nearly always.
+    labels = search.labels(shapes.invariants(shape))[: None if search.wide else 1]
     rich = 0
     for spacing in search.spacings_for(frame.area):
         lattices = [search.lattice(spacing, label) for label in labels]

@@ -1,0 +1,51 @@
+"""Which points carry marks: an independent set, of points whose marks are firm and whose rings are unlike first."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshmark.authentication.marks.candidates import HEADER, Candidates
+from meshmark.authentication.marks.independent_points import independent_points
+from meshmark.authentication.marks.ring_shapes import RingShapes
+from meshmark.authentication.marks.rings import Rings
+from meshmark.geometry.connectivity import Connectivity
+from meshmark.mesh import FloatArray, IntArray
+
+__all__ = ["alike", "firm_first", "firm_points"]
+
+# A point's distance from its ring's middle, times how far errors turn the ring, over how far they move the place of
+# a mark there at all: beyond this, points carry marks only where no other can.
+_FIRM = 4.0
+
+
+def firm_points(points: FloatArray, parts: Iterable[tuple[Rings, RingShapes]]) -> NDArray[np.bool_]:
+    """Return (p,): the points that do not lie so far from the middle of a needle ring that its turning moves them.
+
+    What else an error does to a mark's place depends on the ring alone (`RingShapes.spread`).
+    """
+    firm = np.ones(len(points), bool)
+    for group, shape in parts:
+        far = np.linalg.norm(points[group.vertex] - shape.centre, axis=1)
+        firm[group.vertex] = far * shape.sway <= _FIRM * shape.spread * shape.size
+    return firm
+
+
+def firm_first(
+    connectivity: Connectivity, allowed: NDArray[np.bool_], firm: NDArray[np.bool_], chance: FloatArray
+) -> NDArray[np.bool_]:
+    """Return (p,): a maximal set of `allowed` (p,) points without neighbours in it, `firm` (p,) ones first."""
+    chosen = independent_points(connectivity.edges, allowed & firm, chance)
+    if (allowed & ~firm).any():
+        free = allowed & ~chosen & ~(connectivity.graph @ chosen.astype(np.float64) > 0.0)
+        chosen |= independent_points(connectivity.edges, free, chance)
+    return chosen
+
+
+def alike(found: Candidates) -> IntArray:
+    """Return the points of marks that tell the id whose rings are those of another one, but for one of each."""
+    header = found.take(found.kind == HEADER)
+    first = np.unique(header.words[:, 0], return_index=True)[1]
+    return np.delete(header.vertex, first)
