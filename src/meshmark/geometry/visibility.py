@@ -82,7 +82,7 @@ class VisibleChange:
         self._mean = sp.csr_array((weight, (rows, columns)), shape=(PATCHES, len(self._members)))
 
     def _sized(self, points: FloatArray) -> FloatArray:
-        return (points - self._low) / self._size
+        return np.asarray((points - self._low) / self._size)
 
     def noticed_at(self, mass: FloatArray, stiff: sp.csr_array, width: float) -> FloatArray:
         """Return the change in degrees (p,) that is just noticed at each point, patches diffused by `width`.
