@@ -45,7 +45,6 @@ def corrected_phase(seen: Observation) -> FloatArray:
     typical = 1.5 * np.median(np.abs(bending), axis=0)  # a normal distribution's standard deviation
     bending = np.clip(bending / (typical + TINY * step), -LARGEST, LARGEST)
     response = np.hstack([POSE_EXPECTED * pose, BENDING_EXPECTED * bending])
-    deviation = float(np.sqrt(len(phase) / 2.0))
     starts = np.array([start for start, _ in STARTS])
     margins = np.array([margin for _, margin in STARTS]) * np.sqrt(len(phase) / 2.0)
     turned = phase + starts @ bending.T
