@@ -40,6 +40,7 @@ COMMANDS = {
     "saliency_speed": "docs/claims.md",
     "same_behaviour": "docs/decisions/0018-layout.md",
     "start_up": "docs/decisions/0015-by-hand-or-library.md",
+    "visible_share": "docs/results/ownership.md",
 }
 ALONE = {
     "authenticate_speed", "by_hand", "compressed_gltf", "costa", "false_alarms", "hostile", "lattice_labels",
