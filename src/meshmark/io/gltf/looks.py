@@ -11,10 +11,10 @@ from typing import Any
 
 from meshmark.errors import FormatError
 from meshmark.io.gltf.container import Container
+from meshmark.io.gltf.hidden_faces import material_of
 from meshmark.io.gltf.images import image_bytes, image_of_texture
 from meshmark.io.gltf.scene import Scene
 from meshmark.io.gltf.schema import Json
-from meshmark.io.gltf.visibility import material_of
 
 __all__ = ["gltf_looks"]
 
