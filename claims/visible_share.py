@@ -31,7 +31,9 @@ BARS = {"subtle": (0.005, 0.03, np.inf), "standard": (0.03, 0.08, 1.3)}
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Measure and print; return 1 where a figure is above its bar."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--folder", default="models/test")
     parser.add_argument("--strengths", nargs="+", default=["subtle", "standard"], choices=list(BUDGETS))
     parser.add_argument("--layers", default="both", choices=["both", "ownership"])
@@ -51,7 +53,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             shown = seen.of(made.mesh.vertices[surface.vertex_of_point])
             found[strength].append((shown, made.rms_over_diagonal))
             print(
-                f"{path.name:32s} {strength:9s} visible {100 * shown.share:5.1f} %, ratio {shown.median:.2f} median "
+                f"{path.name:32s} {strength:9s} visible {100 * shown.share:5.1f} %, "
+                f"ratio {shown.median:.2f} median "
                 f"{shown.p95:.2f} 95 %, smooth quarter {shown.smooth:.2f} degrees, "
                 f"RMS {100 * made.rms_over_diagonal:.4f} %",
                 flush=True,
@@ -64,7 +67,8 @@ def _summary(strength: str, found: Sequence[tuple[Visibility, float]]) -> int:
     smooth = [shown.smooth for shown, _ in found]
     figures = float(np.median(shares)), max(shares), float(np.median(smooth))
     print(
-        f"{strength}, {len(found)} models: visible share {100 * figures[0]:.1f} % median, {100 * figures[1]:.1f} % worst; "
+        f"{strength}, {len(found)} models: visible share {100 * figures[0]:.1f} % median, "
+        f"{100 * figures[1]:.1f} % worst; "
         f"smooth quarter {figures[2]:.2f} degrees median, {max(smooth):.2f} worst; "
         f"RMS {100 * max(rms for _, rms in found):.4f} % worst"
     )

@@ -207,5 +207,5 @@ def test_info_of_a_certificate_tells_what_is_public(cli, folder, files):
     assert identity not in ran.out
     assert told["model_digest"] == mm.Certificate.load("my.cert").summary()["model_digest"]
     assert "25,178" in cli("info", "my.cert").out
-    Path("old.cert").write_text(Path("my.cert").read_text().replace('"version": 3', '"version": 1', 1))
+    Path("old.cert").write_text(Path("my.cert").read_text().replace('"version": 4', '"version": 1', 1))
     assert "certificate of version 1" in cli("info", "old.cert").err

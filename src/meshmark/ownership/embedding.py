@@ -132,6 +132,8 @@ def embed(
 def _shapings(task: _Task, bits: Bits) -> Iterator[Shaping]:
     """Yield the first few spacings with carriers enough, then those passed over, most carriers first."""
     surface = task.surface
+    if not surface.point_areas.any():
+        return
     seen = VisibleChange(surface.points, surface.faces)
     rich, scarce = 0, []
     label = Label.of_shape(surface.invariants, task.key)
