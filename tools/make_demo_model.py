@@ -1,11 +1,10 @@
-"""Make the model that `meshmark demo` marks: src/meshmark/data/hare.ply.xz. The same bytes on every run.
+"""Make the model that `meshmark demo` marks: src/meshmark/data/hare.xz. The same bytes on every run.
 
-.venv/bin/python tools/make_demo_model.py [OUT.ply.xz]
+.venv/bin/python tools/make_demo_model.py [OUT.xz]
 """
 
 from __future__ import annotations
 
-import lzma
 import sys
 from pathlib import Path
 
@@ -14,12 +13,14 @@ from demo_model import hare
 from demo_model.solids import Array
 from demo_model.surface import Faces, extract, gradient, settle
 
+from meshmark.data.packing import packed
+
 CELL = 0.034
 ROUNDS = 15
 MILLIMETRES = 30.0
 # Positions on a fine grid of millimetres, and triangles in order, pack better.
 GRID = 2.0**-12
-HOME = Path(__file__).resolve().parents[1] / "src" / "meshmark" / "data" / "hare.ply.xz"
+HOME = Path(__file__).resolve().parents[1] / "src" / "meshmark" / "data" / "hare.xz"
 
 
 def build() -> tuple[Array, Faces, Array]:
@@ -59,5 +60,6 @@ def ply(vertices: Array, faces: Faces, colours: Array) -> bytes:
 
 if __name__ == "__main__":
     out = Path(sys.argv[1]) if len(sys.argv) > 1 else HOME
-    out.write_bytes(lzma.compress(ply(*build()), check=lzma.CHECK_CRC32, preset=9 | lzma.PRESET_EXTREME))
+    vertices, triangles, colours = build()
+    out.write_bytes(packed(ply(vertices, triangles, colours), len(triangles)))
     print(f"{out}: {out.stat().st_size:,} bytes")

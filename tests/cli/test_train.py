@@ -35,7 +35,7 @@ def test_train_writes_a_network_and_says_how_good_it_is(folder, tmp_path, capsys
     told = json.loads(capsys.readouterr().out)
     assert told["models for validation"] == ["long.off"]
     assert told["models for fitting"] == ["short.off"]
-    assert told["figures on validation models"]["float32:1"]["errors nearest point"] < 0.05
+    assert told["figures on validation models"]["float32:1"]["errors nearest point"] < 0.1
     assert read_network(out, FEATURES).sizes[0] == len(FEATURES)
     assert json.loads(out.read_text())["command"].endswith("--out network.json --seed 3 --most-points 20000")
     before = out.read_text()

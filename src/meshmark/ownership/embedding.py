@@ -13,6 +13,7 @@ from meshmark.coding.keys import Key
 from meshmark.coding.message import check_id, random_id
 from meshmark.coding.polar import Bits
 from meshmark.errors import CapacityError, InputError
+from meshmark.geometry.areas import face_areas
 from meshmark.geometry.surface import Surface
 from meshmark.geometry.surface_of import surface_of, surface_of_moved
 from meshmark.geometry.visibility import VisibleChange
@@ -132,7 +133,8 @@ def embed(
 def _shapings(task: _Task, bits: Bits) -> Iterator[Shaping]:
     """Yield the first few spacings with carriers enough, then those passed over, most carriers first."""
     surface = task.surface
-    if not surface.point_areas.any():
+    unit = surface.diagonal or 1.0  # in the file's own unit squares of areas may be below all numbers
+    if not face_areas(surface.points / unit, surface.faces).any():
         return
     seen = VisibleChange(surface.points, surface.faces)
     rich, scarce = 0, []

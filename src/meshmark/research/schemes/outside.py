@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import hashlib
+import importlib.machinery
 import importlib.util
 import sys
 from functools import lru_cache
 from importlib.metadata import EntryPoint, entry_points
 from inspect import isclass
 from pathlib import Path
-from types import ModuleType
+from types import CodeType, ModuleType
 from typing import Any
 
 from meshmark.errors import InputError
@@ -58,11 +59,21 @@ def file_digest(path: str) -> str:
     return hashlib.blake2b(content, digest_size=4).hexdigest()
 
 
+class _Fresh(importlib.machinery.SourceFileLoader):
+    """Compiles the file as it is now: what was compiled before is known by time and size alone, and may be older."""
+
+    def get_code(self, fullname: str) -> CodeType:
+        """Return the compiled source of the module."""
+        del fullname  # the path is known
+        return self.source_to_code(self.get_data(self.path), self.path)
+
+
 @lru_cache(maxsize=16)
 def _module(path: str, digest: str) -> ModuleType:
     """Return the module of a file, run once for each content of it."""
     name = f"meshmark_scheme_{Path(path).stem}_{digest}"
-    spec = importlib.util.spec_from_file_location(name, Path(path).resolve())
+    source = Path(path).resolve()
+    spec = importlib.util.spec_from_file_location(name, source, loader=_Fresh(name, str(source)))
     if spec is None or spec.loader is None:
         raise InputError(f"{path} cannot be loaded, expected a file of Python")
     module = importlib.util.module_from_spec(spec)
