@@ -60,7 +60,7 @@ def file_digest(path: str) -> str:
 
 
 class _Fresh(importlib.machinery.SourceFileLoader):
-    """Compiles the file as it is now: what was compiled before is known by time and size alone, and may be older."""
+    """Compiles the file as it is now: what was compiled before is known by its time and size, and may be older."""
 
     def get_code(self, fullname: str) -> CodeType:
         """Return the compiled source of the module."""
