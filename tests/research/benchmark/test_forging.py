@@ -18,11 +18,11 @@ from tests.shapes import pebble
 @pytest.fixture(scope="module")
 def forger() -> Forger:
     def other() -> Mesh:
-        points, faces = pebble(48)
+        points, faces = pebble(64)
         longer = Mesh(points * [1.0, 1.0, 1.4], faces)
         return mm.embed(longer, KEY, id=9, layers="authentication", payload="none").mesh
 
-    return Forger(Subject("pebble", Mesh(*pebble(48)), other))
+    return Forger(Subject("pebble", Mesh(*pebble(64)), other))
 
 
 KINDS = (
