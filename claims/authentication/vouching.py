@@ -17,11 +17,13 @@ from scipy.sparse import csr_array
 
 import meshmark as mm
 from meshmark.authentication.checks.ring_reading import window_of
-from meshmark.authentication.checks.setting_search import all_candidates, likeliest_setting
-from meshmark.authentication.checks.sweep import sweep
+from meshmark.authentication.checks.setting_search import Setting, all_candidates, likeliest_setting
+from meshmark.authentication.checks.sweep import Sweep, sweep
+from meshmark.authentication.examination import examine
 from meshmark.authentication.marks.candidates import HEADER, Candidates, beside, eligible, joined
-from meshmark.authentication.marks.ring_shapes import ring_shapes
-from meshmark.authentication.marks.rings import Rings, ordered_rings
+from meshmark.authentication.marks.ring_shapes import RingShapes, ring_shapes
+from meshmark.authentication.marks.rings import Rings
+from meshmark.authentication.marks.rings_of import rings_of
 from meshmark.authentication.marks.symbols import header_symbols
 from meshmark.authentication.marks.words import PURPOSE, bind, symbols_at
 from meshmark.geometry.adjacency import adjacency, unique_edges
@@ -50,13 +52,9 @@ class Vouching:
         self.surface = weld(mesh)
         points = self.surface.points
         self._key, self._subkey = key, key.subkey(PURPOSE)
-        self._rings = ordered_rings(self.surface.faces, len(points))
-        shapes = [ring_shapes(points, group) for group in self._rings]
-        parts = list(zip(self._rings, shapes, strict=True))
-        setting = likeliest_setting(points, self._rings, shapes, key, None)
-        swept = None if setting is None else sweep(points, parts, setting, key, nonce=None)
-        if setting is None or swept is None:
-            raise mm.InputError("the model carries no marks of authentication, expected an authentic one")
+        self._rings = rings_of(self.surface)
+        parts = [(rings, ring_shapes(points, rings)) for rings in self._rings]
+        setting, swept = _read_as_examined(mesh, points, parts, key)
         holds = swept.read.holds
         self.held = np.zeros(len(points), bool)
         self.held[swept.found.vertex[holds]] = True
@@ -67,7 +65,7 @@ class Vouching:
             self.sure[group.vertex] = firm & swept.able[group.vertex]
             self._group[group.vertex] = number
             self._row[group.vertex] = np.arange(len(group.vertex))
-        spread = np.concatenate([shape.spread for shape in shapes])
+        spread = np.concatenate([shape.spread for _, shape in parts])
         self.typical_step = float(np.median(spread)) * sqrt(2.0) * setting.unit
         self._setting = replace(setting, doubt=setting.doubt + _MORE_DOUBT)
         self._window = _WIDER * window_of(swept.read.off[holds])
@@ -142,6 +140,20 @@ class Vouching:
         header = ways.kind == HEADER
         holds[header] &= symbol[header] == header_symbols(ways.index[header], self._nonce, layout.symbol)
         return np.asarray(holds & (np.abs(ways.place - ways.whole).max(axis=1) <= self._window))
+
+
+def _read_as_examined(
+    mesh: mm.Mesh, points: FloatArray, parts: list[tuple[Rings, RingShapes]], key: mm.Key
+) -> tuple[Setting, Sweep]:
+    """Read the marks as `examine` does: with the id they report, else with that of the ownership layer."""
+    known = examine(mesh, key)
+    rings, shapes = [group for group, _ in parts], [shape for _, shape in parts]
+    for nonce in (None, known.id) if known.marked else ():
+        setting = likeliest_setting(points, rings, shapes, key, nonce)
+        swept = None if setting is None else sweep(points, parts, setting, key, nonce=nonce)
+        if setting is not None and swept is not None and swept.nonce == known.id:
+            return setting, swept
+    raise mm.InputError("the model carries no marks of authentication, expected an authentic one")
 
 
 def _entries(graph: csr_array, rows: IntArray) -> tuple[IntArray, IntArray]:

@@ -9,7 +9,10 @@ import meshmark as mm
 from claims.authentication import forging
 from claims.authentication.forging import Forger
 from claims.authentication.subjects import KEY, Subject
+from claims.authentication.vouching import Vouching
+from meshmark.authentication.checks.checks import check
 from meshmark.authentication.examination import examine
+from meshmark.geometry.weld import weld
 from meshmark.mesh import Mesh
 from tests.counting import some
 from tests.shapes import pebble
@@ -18,11 +21,11 @@ from tests.shapes import pebble
 @pytest.fixture(scope="module")
 def forger() -> Forger:
     def other() -> Mesh:
-        points, faces = pebble(48)
+        points, faces = pebble(64)
         longer = Mesh(points * [1.0, 1.0, 1.4], faces)
         return mm.embed(longer, KEY, id=9, layers="authentication", payload="none").mesh
 
-    return Forger(Subject("pebble", Mesh(*pebble(48)), other))
+    return Forger(Subject("pebble", Mesh(*pebble(64)), other))
 
 
 KINDS = (
@@ -96,3 +99,19 @@ def test_rows_say_how_many_of_how_many_tries(forger, monkeypatch):
     assert sum(row.trials for row in rows if row.figure == "lone marks guessed, accepted") == 20
     assert {row.detail for row in rows} == {*KINDS, *LONE}
     assert all(row.value == (row.trials // 2) / row.trials for row in some(rows))
+
+
+def test_marks_that_do_not_tell_the_id_are_read_with_that_of_the_ownership_layer():
+    small = mm.embed(Mesh(*pebble(28)), KEY, id=9, layers="both").mesh
+    surface = weld(small)
+    assert check(surface, KEY).nonce is None, "the marks tell the id: choose another one"
+    vouching = Vouching(small, KEY)
+    assert (vouching.held == check(surface, KEY, 9).passed).all()
+    assert vouching.may_pass(surface.points[None], np.random.default_rng(1)).all()
+    far = surface.points + 0.1 * np.random.default_rng(2).normal(size=surface.points.shape)
+    assert not vouching.may_pass(far[None], np.random.default_rng(1)).any()
+
+
+def test_an_unmarked_model_is_refused():
+    with pytest.raises(mm.InputError, match="no marks of authentication"):
+        Vouching(Mesh(*pebble(24)), KEY)
