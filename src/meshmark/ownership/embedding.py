@@ -133,6 +133,8 @@ def embed(
 def _shapings(task: _Task, bits: Bits) -> Iterator[Shaping]:
     """Yield the first few spacings with carriers enough, then those passed over, most carriers first."""
     surface = task.surface
+    if not len(surface.faces):
+        return
     unit = surface.diagonal or 1.0  # in the file's own unit squares of areas may be below all numbers
     if not face_areas(surface.points / unit, surface.faces).any():
         return
