@@ -96,8 +96,8 @@ class Codec:
         Raises `InputError` for any other shape, or numbers that are not finite.
         """
         _check(llr)
-        word, sum_of_ids, tested, chance = self._likeliest(llr * (1.0 - 2.0 * self._mask))
-        guess = self._permutation.backward(sum_of_ids)
+        word, image, tested, chance = self._likeliest(llr * (1.0 - 2.0 * self._mask))
+        guess = self._permutation.backward(image)
         return Decoded(
             id=guess if chance <= log10_limit else None,
             guess=guess,
@@ -147,7 +147,7 @@ class Codec:
         return chances
 
     def _likeliest(self, values: FloatArray) -> tuple[Bits, int, int, float]:
-        """Return (word, its id bits, words compared, chance) of the best word of the code without mask."""
+        """Return (word, the permuted id, words compared, chance) of the best word of the code without mask."""
         ids, words = self._decoder.decode(values, PATHS)
         seen = np.flatnonzero(values)
         agreement = values.sum() - 2.0 * (words[:, seen] @ values[seen])

@@ -12,71 +12,62 @@ from meshmark.ownership.search.measurement import Reading
 
 __all__ = ["extraction_of"]
 
+# A mark of which fewer of its cells still agree is said to be damaged.
+LARGELY = 0.7
+
 
 def extraction_of(found: Found, codec: Codec, mode: str, seconds: float) -> Extraction:
     """Return what a search found in the words and figures of an answer."""
     reading, bound = found.reading, believable(found.log10_false_positive)
-    late = "No mark of this key was found before the time limit; not everything was tried."
-    if reading is None:
-        advice = late if found.stopped else "The model has too few carriers to tell whether it is marked."
-        return Extraction(
-            presence="inconclusive",
-            id=None,
-            log10_false_positive=bound,
-            mode=mode,
-            carriers=0,
-            carriers_agreeing=0,
-            lock_score=0.0,
-            advice=advice,
-            seconds=seconds,
-        )
-    count = len(reading.phase)
-    lock = reading.score / float(reading.measured.keys.weight.sum())
-    if found.ids:
-        agreeing = max(_agreeing(codec, reading, each) for each in found.ids)
-        advice = (
-            "The mark was read in the mirror image of the model."
-            if reading.mirrored
-            else "The mark was read."
-        )
-        if agreeing < 0.7 * count:
-            advice = f"The mark was read, though only {agreeing} of its {count} places still agree."
-        if len(found.ids) > 1:
-            advice = f"This is an average of copies with different ids; {len(found.ids)} of them were read."
-        evidence = tuple(Evidence(layer="cells", id=each, log10_false_positive=bound) for each in found.ids)
-        return Extraction(
-            presence="present",
-            id=found.id,
-            ids=found.ids,
-            log10_false_positive=bound,
-            mode=mode,
-            carriers=count,
-            carriers_agreeing=agreeing,
-            lock_score=lock,
-            advice=advice,
-            seconds=seconds,
-            evidence=evidence,
-        )
-    presence, advice = "absent", "No mark of this key was found."
-    if mode == "blind":
-        advice += " Of a part or a badly damaged copy the certificate or the original tells more."
-    if found.stopped:
-        presence, advice = "inconclusive", late
-    if found.present:
-        presence, advice = "present", "A mark of this key is there, but too damaged to read its id."
-    locked = (Evidence(layer="cells", id=None, log10_false_positive=bound),) if found.present else ()
+    agreeing, lock = 0, 0.0
+    if reading is not None:
+        agreeing = max((_agreeing(codec, reading, each) for each in found.ids), default=0)
+        lock = reading.score / float(reading.measured.keys.weight.sum())
+    presence, advice = _in_words(found, mode, agreeing)
+    shown = found.ids or ((None,) if found.present else ())
     return Extraction(
         presence=presence,
-        id=None,
+        id=found.id,
+        ids=found.ids,
         log10_false_positive=bound,
         mode=mode,
-        carriers=count,
-        carriers_agreeing=0,
+        carriers=found.carriers,
+        carriers_agreeing=agreeing,
         lock_score=lock,
         advice=advice,
         seconds=seconds,
-        evidence=locked,
+        evidence=tuple(Evidence(layer="cells", id=each, log10_false_positive=bound) for each in shown),
     )
+
+
+def _in_words(found: Found, mode: str, agreeing: int) -> tuple[str, str]:
+    """Return presence and advice; agreeing: cells that say the bits of the id."""
+    if len(found.ids) > 1:
+        return (
+            "present",
+            f"This is an average of copies with different ids; {len(found.ids)} of them were read.",
+        )
+    if found.ids and agreeing < LARGELY * found.carriers:
+        return (
+            "present",
+            f"The mark was read, though only {agreeing} of its {found.carriers} places still agree.",
+        )
+    if found.ids:
+        mirrored = found.reading is not None and found.reading.mirrored
+        return "present", f"The mark was read{' in the mirror image of the model' if mirrored else ''}."
+    if found.present:
+        return "present", "A mark of this key is there, but too damaged to read its id."
+    if found.stopped:
+        return (
+            "inconclusive",
+            "No mark of this key was found before the time limit; not everything was tried.",
+        )
+    if found.reading is None:
+        return "inconclusive", "The model has too few carriers to tell whether it is marked."
+    advice = "No mark of this key was found."
+    if mode == "blind":
+        advice += " Of a part or a badly damaged copy the certificate or the original tells more."
+    return "absent", advice
 
 
 def _agreeing(codec: Codec, reading: Reading, identity: int) -> int:

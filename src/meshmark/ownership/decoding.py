@@ -57,14 +57,13 @@ def decoded(codec: Codec, reading: Reading, listed: Listed) -> Found | None:
     A round shape half a step too large or too small locks as well, with every bit turned round. Where the lock is
     credible, less evidence is asked of the word alone: the bound of both together is asked for in any case.
     """
-    observed = reading.observed()
-    credible = reading.log10_chance + log10(reading.hypotheses) < CREDIBLE_LOG10
+    observed, credible = reading.observed(), _is_credible(reading)
     if credible and (pair := _pair(codec, reading, observed)) is not None:
         return pair
     named = _among(codec, reading, observed, listed)
     if named is not None and len(named.ids) > 1:  # of an average the likeliest word alone is one of them
         return named
-    limit = PROVEN_LOG10 if credible else CHECK_WORD_LIMIT
+    limit = _word_limit(reading)
     for signed in (observed, -observed) if credible else (observed,):
         word = codec.decode(signed, limit)
         chance = reading.log10_chance + word.log10_chance + (log10(2.0) if credible else 0.0)
@@ -92,8 +91,7 @@ def _among(codec: Codec, reading: Reading, observed: FloatArray, listed: Listed)
     if not listed.ids:
         return None
     chances = codec.chances(observed, listed.words)
-    credible = reading.log10_chance + log10(reading.hypotheses) < CREDIBLE_LOG10
-    shown = np.flatnonzero(chances <= (PROVEN_LOG10 if credible else CHECK_WORD_LIMIT))
+    shown = np.flatnonzero(chances <= _word_limit(reading))
     bound = _log10_bound(reading.log10_chance + float(chances.min()), reading.hypotheses)
     if not len(shown) or bound > PRESENT_LOG10:
         return None
@@ -101,6 +99,15 @@ def _among(codec: Codec, reading: Reading, observed: FloatArray, listed: Listed)
     return Found(
         reading=reading, ids=tuple(listed.ids[row] for row in best), present=True, log10_false_positive=bound
     )
+
+
+def _is_credible(reading: Reading) -> bool:
+    return reading.log10_chance + log10(reading.hypotheses) < CREDIBLE_LOG10
+
+
+def _word_limit(reading: Reading) -> float:
+    """Return log10 of the chance, at most, of a word that is believed."""
+    return PROVEN_LOG10 if _is_credible(reading) else CHECK_WORD_LIMIT
 
 
 def _log10_bound(log10_chance: float, hypotheses: float) -> float:

@@ -13,7 +13,6 @@ from meshmark.coding.keys import Key
 from meshmark.coding.message import check_id, random_id
 from meshmark.coding.polar import Bits
 from meshmark.errors import CapacityError, InputError
-from meshmark.geometry.areas import face_areas
 from meshmark.geometry.surface import Surface
 from meshmark.geometry.surface_of import surface_of, surface_of_moved
 from meshmark.geometry.visibility import VisibleChange
@@ -65,6 +64,7 @@ class _Task:
     surface: Surface
     key: Key
     identity: int
+    diagonal: float
     budget: float
     share: float
 
@@ -113,6 +113,7 @@ def embed(
         surface=surface,
         key=key,
         identity=identity,
+        diagonal=diagonal,
         budget=sqrt(budget**2 - reserve**2) * diagonal,
         share=VISIBLE_SHARES[strength],
     )
@@ -133,15 +134,11 @@ def embed(
 def _shapings(task: _Task, bits: Bits) -> Iterator[Shaping]:
     """Yield the first few spacings with carriers enough, then those passed over, most carriers first."""
     surface = task.surface
-    if not len(surface.faces):
-        return
-    unit = surface.diagonal or 1.0  # in the file's own unit squares of areas may be below all numbers
-    if not face_areas(surface.points / unit, surface.faces).any():
-        return
+    spacings = preferred_spacings(surface.frame.area)
+    label = Label.of_shape(surface.invariants, task.key)
     seen = VisibleChange(surface.points, surface.faces)
     rich, scarce = 0, []
-    label = Label.of_shape(surface.invariants, task.key)
-    for spacing in preferred_spacings(surface.frame.area):
+    for spacing in spacings:
         shaping = Shaping(surface, Lattice.keyed(task.key, spacing, label), bits, seen, task.share)
         if shaping.capacity < CARRIER_ENOUGH:
             scarce.append(shaping)
@@ -181,14 +178,12 @@ def _read_back(task: _Task, shaping: Shaping) -> Owned | None:
 def _toughest(task: _Task, shaping: Shaping) -> int:
     """Return the index of the step within the budget that bears most noise; their number where none does."""
 
-    diagonal = diagonal_of(task.mesh)
-
     def worth(index: int) -> tuple[float, float]:
         step = float(STEPS[index])
         if shaping.rms(step) > BUDGET_SHARE * task.budget:
             return -1.0, 0.0
-        borne = shaping.borne(step) / diagonal
-        return min(borne, TYPICAL_NOISE), shaping.told(step, TYPICAL_NOISE * diagonal)
+        borne = shaping.borne(step) / task.diagonal
+        return min(borne, TYPICAL_NOISE), shaping.told(step, TYPICAL_NOISE * task.diagonal)
 
     # Loudness is about proportional to the step.
     middle = float(STEPS[len(STEPS) // 2])

@@ -63,6 +63,8 @@ class _Suspect:
 
     def __init__(self, search: Search, home: Frame) -> None:
         self._points, self._search = home.to_canonical(search.surface.points), search
+        # Of the likeliest label: that of the whole where little is gone.
+        self._label = search.labels(search.surface.invariants)[0]
         self._samples: dict[float, Samples] = {}
         self._carriers: dict[float, int] = {}
 
@@ -75,9 +77,8 @@ class _Suspect:
         return self._samples[spacing]
 
     def lattice(self, spacing: float) -> Lattice:
-        """Return the lattice of the likeliest label: that of the whole where little is gone."""
-        search = self._search
-        return search.lattice(spacing, search.labels(search.surface.invariants)[0])
+        """Return the lattice that is read."""
+        return self._search.lattice(spacing, self._label)
 
     def spacings(self, area: float) -> list[float]:
         """Return those that an embedding into a whole of this canonical area is likeliest to have used."""

@@ -70,14 +70,11 @@ class Shapes:
         return self._frames[shape]
 
     def invariants(self, shape: Shape) -> FloatArray:
-        """Return the invariants of a shape, or of the one in whose frame it lies."""
+        """Return the invariants of a shape, or of the one in whose frame it lies; frames are not fixed."""
         if shape.framed_by is not None:
             return self.invariants(shape.framed_by)
         if shape not in self._invariants:
-            frame = (
-                canonical_frame(shape.points, self._faces) if self._fixed is not None else self.frame(shape)
-            )
-            self._invariants[shape] = shape_invariants(shape.points, self._faces, frame)
+            self._invariants[shape] = shape_invariants(shape.points, self._faces, self.frame(shape))
         return self._invariants[shape]
 
     def samples(self, shape: Shape, spacing: float) -> Samples:
