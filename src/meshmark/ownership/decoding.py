@@ -55,44 +55,48 @@ def decoded(codec: Codec, reading: Reading, listed: Listed) -> Found | None:
     """Decode a reading, and, where its lock is credible, its complement, as an average, and among listed ids.
 
     A round shape half a step too large or too small locks as well, with every bit turned round. Where the lock is
-    credible, less evidence is asked of the word alone: the bound of both together is asked for in any case.
+    credible, less evidence is asked of the word alone: the bound of both together is asked for in any case, and
+    pays for each of the ways in which the reading is decoded.
     """
     observed, credible = reading.observed(), _is_credible(reading)
-    if credible and (pair := _pair(codec, reading, observed)) is not None:
+    ways = (3 if credible else 1) + bool(listed.ids)  # the word, its complement and a pair; the list
+    hypotheses = ways * reading.hypotheses
+    if credible and (pair := _pair(codec, reading, observed, hypotheses)) is not None:
         return pair
-    named = _among(codec, reading, observed, listed)
+    named = _among(codec, reading, observed, listed, hypotheses=hypotheses)
     if named is not None and len(named.ids) > 1:  # of an average the likeliest word alone is one of them
         return named
     limit = _word_limit(reading)
     for signed in (observed, -observed) if credible else (observed,):
         word = codec.decode(signed, limit)
-        chance = reading.log10_chance + word.log10_chance + (log10(2.0) if credible else 0.0)
-        bound = _log10_bound(chance, reading.hypotheses)
+        bound = _log10_bound(reading.log10_chance + word.log10_chance, hypotheses)
         if word.id is not None and bound <= PRESENT_LOG10:
             return Found(reading=reading, ids=(word.id,), present=True, log10_false_positive=bound)
     return named
 
 
-def _pair(codec: Codec, reading: Reading, observed: FloatArray) -> Found | None:
+def _pair(codec: Codec, reading: Reading, observed: FloatArray, hypotheses: float) -> Found | None:
     """Return the two ids of an average of two copies.
 
     Where their bits are the same it reads as either, elsewhere half a step off: doubled phases tell which, and make
     a word. The lock is of doubled phases too, and counts for nothing in the bound.
     """
     pair = codec.decode_pair(observed, reading.doubled())
-    bound = _log10_bound(sum(pair.log10_chances), reading.hypotheses)
+    bound = _log10_bound(sum(pair.log10_chances), hypotheses)
     if max(pair.log10_chances) > PROVEN_LOG10 or bound > PRESENT_LOG10:
         return None
     return Found(reading=reading, ids=pair.ids, present=True, log10_false_positive=bound)
 
 
-def _among(codec: Codec, reading: Reading, observed: FloatArray, listed: Listed) -> Found | None:
+def _among(
+    codec: Codec, reading: Reading, observed: FloatArray, listed: Listed, *, hypotheses: float
+) -> Found | None:
     """Return those of the listed ids that the reading shows: one, or some of those of averaged copies."""
     if not listed.ids:
         return None
     chances = codec.chances(observed, listed.words)
     shown = np.flatnonzero(chances <= _word_limit(reading))
-    bound = _log10_bound(reading.log10_chance + float(chances.min()), reading.hypotheses)
+    bound = _log10_bound(reading.log10_chance + float(chances.min()), hypotheses)
     if not len(shown) or bound > PRESENT_LOG10:
         return None
     best = shown[np.argsort(chances[shown], kind="stable")]
