@@ -156,7 +156,9 @@ def plan(surface: Surface, key: Key, precision: float, choice: int = 0) -> Plan:
             if _rms(parts, chosen, unit, layout) <= most:
                 found = _found(points, parts, chosen, unit, key)
                 ample = (found.kind == HEADER).sum() >= _AMPLE * pieces_of_id(layout.symbol)
-                for _ in range(_UNALIKE if ample and len(alike(found)) else 0):
+                for _ in range(_UNALIKE if ample else 0):
+                    if not len(alike(found)):
+                        break
                     # Others are taken where they can be for marks of rings that are alike.
                     firm = firm.copy()
                     firm[alike(found)] = False

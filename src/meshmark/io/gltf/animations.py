@@ -28,10 +28,8 @@ def _animated(container: Container, nodes: Nodes) -> frozenset[str]:
     channels = [item for table in container.tables["animations"] for item in objects(table, "channels")]
     if not channels:
         return frozenset()
-    joints = frozenset(node for skin in _skins(container, nodes) for node in _with_ancestors(nodes, skin))
-    movable = frozenset(
-        node for showing in nodes.showings if showing.skin is None for node in nodes.lineage(showing.node)
-    )
+    joints = nodes.above(joint for skin in _skins(container, nodes) for joint in skin)
+    movable = nodes.above(each.node for each in nodes.showings if each.skin is None)
     morphing = frozenset(each.node for each in nodes.showings if morphs(container, each.mesh))
     return frozenset(filter(None, (_kind(container, item, joints, movable, morphing) for item in channels)))
 
@@ -62,8 +60,3 @@ def _skins(container: Container, nodes: Nodes) -> list[list[int]]:
     return [
         references(skins[number], "joints", f"skin {number}", container.tables["nodes"]) for number in used
     ]
-
-
-def _with_ancestors(nodes: Nodes, joints: list[int]) -> frozenset[int]:
-    """Return the joints of a skin and all nodes above them: what moves one of them moves the skin."""
-    return frozenset(node for joint in joints for node in nodes.lineage(joint))

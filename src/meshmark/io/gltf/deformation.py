@@ -37,6 +37,8 @@ def morph_displacement(container: Container, showing: Showing, primitive: Primit
     """Return the largest displacement of a point by the weights that a file sets, in scene units."""
     targets = objects(primitive.item, "targets")
     weights = _weights(container, showing, len(targets))
+    if not targets:
+        return 0.0
     used = np.unique(primitive.faces)
     total: FloatArray = np.zeros((len(used), 3))
     for target, weight in zip(targets, weights, strict=True):
@@ -65,7 +67,8 @@ def skin_displacement(
     """
     if showing.skin is None or "JOINTS_0" not in primitive.attributes:
         return 0.0
-    joints, weights = _influences(container, primitive, np.unique(primitive.faces))
+    used = np.unique(primitive.faces)
+    joints, weights = _influences(container, primitive, used)
     sums = weights.sum(axis=1)
     if (np.abs(sums - 1.0) > _WEIGHTS_WITHIN).any():
         return float("inf")
@@ -76,7 +79,7 @@ def skin_displacement(
         )
     linear = np.stack([matrix.linear for matrix in matrices])
     offset = np.stack([matrix.offset for matrix in matrices])
-    points = stored[np.unique(primitive.faces)]
+    points = stored[used]
     shown = np.zeros_like(points)
     for joint, weight in zip(joints.T, (weights / sums[:, None]).T, strict=True):
         moved = np.einsum("nij,nj->ni", linear[joint], points) + offset[joint]

@@ -19,9 +19,10 @@ from meshmark.io.gltf.animations import animated
 from meshmark.io.gltf.container import Container
 from meshmark.io.gltf.deformation import morph_displacement, skin_displacement
 from meshmark.io.gltf.hidden_faces import hidden_faces, material_of
-from meshmark.io.gltf.node_tree import Nodes, Showing, open_nodes, scene_roots
+from meshmark.io.gltf.node_tree import Nodes, Showing, scene_roots
 from meshmark.io.gltf.scene import Primitive, Scene
 from meshmark.io.gltf.schema import Json, integer, objects, reference
+from meshmark.io.gltf.views import extension
 
 __all__ = ["gltf_deviations"]
 
@@ -83,28 +84,27 @@ class _Look:
             "levels_of_detail": self._levels,
         }
 
-    @cached_property
+    @property
     def nodes(self) -> Nodes:
-        return open_nodes(self.container)
+        return self.scene.nodes
 
     @cached_property
     def _total(self) -> int:
         return len(self.scene.faces)
 
-    def _surface(self) -> Iterator[tuple[Showing, Primitive]]:
-        for showing in self.nodes.showings:
-            if showing.affine.is_usable:
-                for primitive in self.scene.primitives[showing.mesh]:
-                    yield showing, primitive
+    @cached_property
+    def _surface(self) -> tuple[tuple[Showing, Primitive], ...]:
+        usable = (showing for showing in self.nodes.showings if showing.affine.is_usable)
+        return tuple((each, primitive) for each in usable for primitive in self.scene.primitives[each.mesh])
 
     def _morphed(self) -> float:
-        found = (morph_displacement(self.container, *each) for each in self._surface())
+        found = (morph_displacement(self.container, *each) for each in self._surface)
         return max(found, default=0.0) / self.diagonal
 
     def _skinned(self) -> float:
         found = (
             skin_displacement(self.container, self.nodes, showing, primitive, self._stored(primitive))
-            for showing, primitive in self._surface()
+            for showing, primitive in self._surface
         )
         return max(found, default=0.0) / self.diagonal
 
@@ -113,8 +113,21 @@ class _Look:
 
     def _share(self, missing: Callable[[Showing], bool]) -> float:
         """Return the share of the faces in showings that are not seen."""
-        gone = sum(len(primitive.faces) for showing, primitive in self._surface() if missing(showing))
+        gone = sum(len(primitive.faces) for showing, primitive in self._surface if missing(showing))
         return gone / self._total
+
+    @cached_property
+    def _seen_first(self) -> frozenset[int]:
+        return self.nodes.below(self._default)
+
+    @cached_property
+    def _switched_off(self) -> frozenset[int]:
+        off = (
+            number
+            for number, node in enumerate(self.container.tables["nodes"])
+            if (extension(node, "KHR_node_visibility") or {}).get("visible") is False
+        )
+        return self.nodes.below(frozenset(off))
 
     @cached_property
     def _default(self) -> frozenset[int]:
@@ -126,16 +139,15 @@ class _Look:
         return frozenset(scene_roots(self.container, number or 0))
 
     def _outside(self, showing: Showing) -> bool:
-        return not self._default.intersection(self.nodes.lineage(showing.node))
+        return showing.node not in self._seen_first
 
     def _invisible(self, showing: Showing) -> bool:
-        above = (self.container.tables["nodes"][number] for number in self.nodes.lineage(showing.node))
-        return any(_extension(node, "KHR_node_visibility").get("visible") is False for node in above)
+        return showing.node in self._switched_off
 
     def _instances(self) -> float:
         total = 0
         for node in self.container.tables["nodes"]:
-            attributes = _extension(node, "EXT_mesh_gpu_instancing").get("attributes")
+            attributes = (extension(node, "EXT_mesh_gpu_instancing") or {}).get("attributes")
             for index in list(attributes.values())[:1] if isinstance(attributes, dict) else ():
                 accessor = {"index": index}
                 number = reference(accessor, "index", "instances", self.container.tables["accessors"])
@@ -186,19 +198,14 @@ class _Look:
         return points[rows]
 
     def _hidden(self) -> float:
-        gone = 0
-        for _, primitive in self._surface():
-            rows = self.scene.accessors[primitive.position].count
-            gone += int(hidden_faces(self.container, primitive, rows).sum())
-        return gone / self._total
+        gone: dict[Primitive, int] = {}  # however often a mesh is shown, what it hides is the same
+        for _, primitive in self._surface:
+            if primitive not in gone:
+                rows = self.scene.accessors[primitive.position].count
+                gone[primitive] = int(hidden_faces(self.container, primitive, rows).sum())
+        return sum(gone[primitive] for _, primitive in self._surface) / self._total
 
     def _levels(self) -> float:
         holders = [*self.container.tables["nodes"]]
-        holders += [material_of(self.container, primitive) for _, primitive in self._surface()]
-        return _WHOLE if any(_extension(holder, "MSFT_lod") for holder in holders) else 0.0
-
-
-def _extension(item: Json, name: str) -> Json:
-    found = item.get("extensions")
-    inner = found.get(name) if isinstance(found, dict) else None
-    return inner if isinstance(inner, dict) else {}
+        holders += [material_of(self.container, primitive) for _, primitive in self._surface]
+        return _WHOLE if any(extension(holder, "MSFT_lod") for holder in holders) else 0.0

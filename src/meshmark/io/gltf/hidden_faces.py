@@ -18,6 +18,7 @@ from meshmark.io.gltf.container import Container
 from meshmark.io.gltf.images import alpha_of, image_bytes, image_of_texture
 from meshmark.io.gltf.scene import Primitive
 from meshmark.io.gltf.schema import Json, numbers, reference
+from meshmark.io.gltf.views import extension
 from meshmark.mesh import FloatArray
 
 __all__ = ["hidden_faces", "material_of"]
@@ -38,7 +39,7 @@ def hidden_faces(container: Container, primitive: Primitive, rows: int) -> NDArr
     """Return (m,): the faces that are not seen; rows: of the primitive's position accessor."""
     material = material_of(container, primitive)
     hidden = np.zeros(len(primitive.faces), bool)
-    if _number(_extension(material, "KHR_materials_transmission"), "transmissionFactor", 0.0) > _CLEAR:
+    if _number(extension(material, "KHR_materials_transmission") or {}, "transmissionFactor", 0.0) > _CLEAR:
         return ~hidden
     mode = material.get("alphaMode", "OPAQUE")
     if mode not in ("MASK", "BLEND"):
@@ -60,7 +61,7 @@ def hidden_faces(container: Container, primitive: Primitive, rows: int) -> NDArr
 
 def _base(material: Json) -> tuple[float, object]:
     """Return the alpha factor of a material, and the texture info object of its alpha or None."""
-    glossy = _extension(material, "KHR_materials_pbrSpecularGlossiness")
+    glossy = extension(material, "KHR_materials_pbrSpecularGlossiness") or {}
     if glossy:
         return numbers(glossy, "diffuseFactor", "material", [1.0] * 4)[3], glossy.get("diffuseTexture")
     plain = material.get("pbrMetallicRoughness")
@@ -74,7 +75,7 @@ def _sampled(container: Container, primitive: Primitive, texture: object, rows: 
     if image is None or not isinstance(texture, dict):
         return None
     alpha = _alpha(image_bytes(container, image))
-    transform = _extension(texture, "KHR_texture_transform")
+    transform = extension(texture, "KHR_texture_transform") or {}
     channel = transform.get("texCoord", texture.get("texCoord", 0))
     name = f"TEXCOORD_{channel}"
     if alpha is None or name not in primitive.attributes:
@@ -97,12 +98,6 @@ def _sampled(container: Container, primitive: Primitive, texture: object, rows: 
 @lru_cache(maxsize=4)
 def _alpha(encoded: bytes) -> FloatArray | None:
     return alpha_of(encoded)
-
-
-def _extension(item: Json, name: str) -> Json:
-    found = item.get("extensions")
-    inner = found.get(name) if isinstance(found, dict) else None
-    return inner if isinstance(inner, dict) else {}
 
 
 def _number(item: Json, name: str, default: float) -> float:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from meshmark.errors import FormatError
 from meshmark.io.gltf.container import Container, local_name
 from meshmark.io.gltf.schema import Json, reference
+from meshmark.io.gltf.views import extension
 from meshmark.io.inside import read_inside
 
 __all__ = ["alpha_of", "image_bytes", "image_of_texture"]
@@ -32,9 +33,7 @@ def image_of_texture(container: Container, info: object) -> int | None:
     if index is None:
         return None
     texture = tables["textures"][index]
-    extensions = texture.get("extensions")
-    more = extensions if isinstance(extensions, dict) else {}
-    for holder in [*(more[name] for name in _OTHERS if isinstance(more.get(name), dict)), texture]:
+    for holder in [*filter(None, (extension(texture, name) for name in _OTHERS)), texture]:
         image = reference(holder, "source", f"texture {index}", tables["images"])
         if image is not None:
             return image

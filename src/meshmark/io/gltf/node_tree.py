@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -42,13 +43,22 @@ class Nodes:
     world: dict[int, Affine]
     parent: dict[int, int]
 
-    def lineage(self, node: int | None) -> tuple[int, ...]:
-        """Return a node and all above it, the root last."""
-        found: list[int] = []
-        while node is not None:
-            found.append(node)
-            node = self.parent.get(node)
-        return tuple(found)
+    def above(self, nodes: Iterable[int | None]) -> frozenset[int]:
+        """Return these nodes and all above them."""
+        found: set[int] = set()
+        for node in nodes:
+            while node is not None and node not in found:
+                found.add(node)
+                node = self.parent.get(node)
+        return frozenset(found)
+
+    def below(self, tops: frozenset[int]) -> frozenset[int]:
+        """Return which nodes shown are these, or lie below one of them."""
+        found: set[int] = set()
+        for node in self.world:  # parents first
+            if node in tops or self.parent.get(node) in found:
+                found.add(node)
+        return frozenset(found)
 
 
 def open_nodes(container: Container) -> Nodes:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from meshmark.document import Attributes, Deviation
 from meshmark.errors import FormatError, InputError
+from meshmark.geometry.extent import diagonal
 from meshmark.io.gltf.attributes import gltf_attributes, gltf_summary
 from meshmark.io.gltf.container import Container, open_glb, open_gltf
 from meshmark.io.gltf.patch import rebuild, referenced_files, referenced_images
@@ -88,9 +89,7 @@ class GltfDocument:
         """Return in which ways a viewer shows something else than the surface. Raises `FormatError`."""
         from meshmark.io.gltf.deviations import gltf_deviations
 
-        shown = self.vertices[np.unique(self.faces)]
-        diagonal = float(np.linalg.norm(np.ptp(shown, axis=0))) or 1.0
-        return gltf_deviations(self.container, self.scene, diagonal)
+        return gltf_deviations(self.container, self.scene, diagonal(self.vertices, self.faces) or 1.0)
 
     def looks(self) -> tuple[str, ...] | None:
         """Return what the surface is painted with, a digest for each kind of material. Raises `FormatError`."""

@@ -15,7 +15,7 @@ import numpy as np
 from meshmark.errors import FormatError
 from meshmark.io.gltf.accessor import Accessor, open_accessor
 from meshmark.io.gltf.container import Container
-from meshmark.io.gltf.node_tree import open_nodes
+from meshmark.io.gltf.node_tree import Nodes, open_nodes
 from meshmark.io.gltf.schema import Json, integer, objects, reference
 from meshmark.io.placement import Affine
 from meshmark.mesh import IntArray
@@ -60,6 +60,7 @@ class Scene:
     faces: IntArray
     accessors: dict[int, Accessor]
     primitives: dict[int, tuple[Primitive, ...]]
+    nodes: Nodes
 
 
 def open_scene(container: Container, *, compressed: bool = False) -> Scene:
@@ -69,10 +70,10 @@ def open_scene(container: Container, *, compressed: bool = False) -> Scene:
     the scene shows more than is read, or no triangle.
     """
     most = _MOST_COMPRESSED if compressed else _MOST
-    accessors: dict[int, Accessor] = {}
+    nodes, accessors = open_nodes(container), dict[int, Accessor]()
     primitives: dict[int, tuple[Primitive, ...]] = {}
     parts, faces, rows, total = [], list[IntArray](), 0, 0
-    for showing in open_nodes(container).showings:
+    for showing in nodes.showings:
         mesh, affine = showing.mesh, showing.affine
         if not affine.is_usable:
             continue
@@ -94,7 +95,7 @@ def open_scene(container: Container, *, compressed: bool = False) -> Scene:
     if not total:
         raise FormatError(f"{container.path.name} shows no triangles in any scene")
     whole = faces[0] if len(faces) == 1 else np.concatenate(faces)
-    return Scene(parts=tuple(parts), faces=whole, accessors=accessors, primitives=primitives)
+    return Scene(parts=tuple(parts), faces=whole, accessors=accessors, primitives=primitives, nodes=nodes)
 
 
 def _too_large(most: tuple[int, int]) -> FormatError:
