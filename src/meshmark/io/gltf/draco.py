@@ -129,7 +129,7 @@ class _Placer:
         self.views = views
         plain = {
             index
-            for mesh, entry in enumerate(tree["meshes"])
+            for mesh, entry in enumerate(tree.get("meshes", []))
             for number, item in enumerate(entry.get("primitives", []))
             if (mesh, number) not in packed
             for index in _accessors_of(item)
