@@ -10,7 +10,8 @@ from meshmark.ownership.carriers.cells import Cells
 from meshmark.ownership.carriers.lattice import Lattice
 from meshmark.ownership.carriers.lattice_label import Label
 from meshmark.ownership.decoding import Listed, decoded, lock_bound
-from meshmark.ownership.search.measurement import Measurement, Reading
+from meshmark.ownership.search.measurement import CellReading, Measurement
+from meshmark.ownership.search.reading import Reading
 from tests.keys import KEY
 
 CODEC = Codec(KEY)
@@ -36,7 +37,7 @@ def reading(ids: tuple[int, ...], count: int = 700, noise: float = 0.3) -> Readi
         )
     else:
         phase = random.uniform(0.0, 2.0 * np.pi, len(nodes))
-    return Reading.of(measured, 0.06, phase, 1.0)
+    return CellReading.of(measured, 0.06, phase, 1.0)
 
 
 def test_one_copy_names_its_id():

@@ -10,7 +10,7 @@ is said.
 from __future__ import annotations
 
 import hmac
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from enum import Enum
 from hashlib import blake2b
 from math import sqrt
@@ -18,21 +18,12 @@ from math import sqrt
 import numpy as np
 
 from meshmark.authentication.marks.precision import precision_of
+from meshmark.authentication.written_lock import reader_of
 from meshmark.certificate.certificate import Certificate
 from meshmark.coding.keyed import keyed_words
 from meshmark.coding.keys import Key
-from meshmark.geometry.frame import Frame, canonical_frame, frame_alternatives
-from meshmark.geometry.sampling import plan_samples
-from meshmark.geometry.surface import Surface
 from meshmark.geometry.surface_of import surface_of
-from meshmark.mesh import FloatArray, IntArray, Mesh
-from meshmark.ownership.carriers.lattice import Lattice
-from meshmark.ownership.carriers.lattice_label import Label
-from meshmark.ownership.carriers.nodes import find_nodes
-from meshmark.ownership.carriers.pose import Pose
-from meshmark.ownership.carriers.quantisation import bit_phase
-from meshmark.ownership.parameters import LONGEST_SAMPLE, SURELY_SKEW
-from meshmark.ownership.search.measurement import read_cells
+from meshmark.mesh import Mesh
 
 __all__ = ["FIELD", "ROUNDINGS", "WRONG_LOG10", "Since", "since_written", "with_written"]
 
@@ -56,7 +47,7 @@ class Since(Enum):
 
 def with_written(certificate: Certificate, marked: Mesh, key: Key) -> Certificate:
     """Return the certificate of an id-only model with what `since_written` needs of the marked mesh."""
-    lock = _Reader(surface_of(marked), key, certificate).best()
+    lock = reader_of(surface_of(marked), key, certificate).best()
     value = {"positions": _digest(marked, key), "lock": lock.score, "carriers": len(lock.phase)}
     return replace(certificate, more={**certificate.more, FIELD: value})
 
@@ -87,7 +78,7 @@ def _dropped(mesh: Mesh, key: Key, certificate: Certificate, written: float, car
     that of Student's prediction interval for one more observation, the deviation being one cell or more.
     """
     surface = surface_of(mesh)
-    reader = _Reader(surface, key, certificate)
+    reader = reader_of(surface, key, certificate)
     now = reader.best()
     random = np.random.default_rng(keyed_words(key.subkey("roundings of a suspect"), 4))
     from scipy.special import stdtrit
@@ -101,54 +92,6 @@ def _dropped(mesh: Mesh, key: Key, certificate: Certificate, written: float, car
     deviation = max(float(np.std(locks, ddof=1)), 1.0 / carriers)
     limit = float(-stdtrit(ROUNDINGS - 1, 10.0**WRONG_LOG10)) * sqrt(1.0 + 1.0 / ROUNDINGS)
     return written * float(np.mean(kept)) - now.score / carriers > limit * deviation
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class _Lock:
-    """frame: that the lattice was read in; nodes: (n, 3) cells; phase: (n,) radians."""
-
-    frame: Frame
-    nodes: IntArray
-    phase: FloatArray
-
-    @property
-    def score(self) -> float:
-        return float(np.cos(2.0 * self.phase).sum())
-
-    def agreement(self, other: _Lock) -> float:
-        """Return the mean cos of twice the angle between the phases of the two; a cell that is gone counts 0."""
-        row = find_nodes(other.nodes, self.nodes)
-        turned = self.phase[row >= 0] - other.phase[row[row >= 0]]
-        return float(np.cos(2.0 * turned).sum()) / len(row) if len(row) else 1.0
-
-
-class _Reader:
-    """Reads the lattice that a certificate names as a surface stands, without any search but the frame's signs."""
-
-    def __init__(self, surface: Surface, key: Key, certificate: Certificate) -> None:
-        self._surface, self._step = surface, certificate.step
-        self._lattice = Lattice.keyed(key, certificate.spacing, Label.of_hex(certificate.lattice))
-        self._frame = surface.frame
-        canonical = self._frame.to_canonical(surface.points)
-        self._sampler = plan_samples(canonical, surface.faces, LONGEST_SAMPLE * certificate.spacing)
-
-    def best(self) -> _Lock:
-        """Return the lock of the surface itself in the frame where it is highest."""
-        frames = frame_alternatives(self._frame, surely_skew=SURELY_SKEW)
-        return max((self._in(self._surface.points, frame) for frame in frames), key=lambda lock: lock.score)
-
-    def like(self, lock: _Lock, points: FloatArray) -> _Lock:
-        """Return the lock of the surface with these points, in the frame most like that of another lock."""
-        frame = canonical_frame(points, self._surface.faces)
-        frames = frame_alternatives(frame, surely_skew=SURELY_SKEW)
-        nearest = max(frames, key=lambda each: float(np.einsum("ij,ij->", each.axes, lock.frame.axes)))
-        return self._in(points, nearest)
-
-    def _in(self, points: FloatArray, frame: Frame) -> _Lock:
-        samples = self._sampler(frame.to_canonical(points))
-        cells = read_cells(samples, self._lattice, Pose.turned(np.eye(3)))
-        keys = self._lattice.keys(cells.nodes)
-        return _Lock(frame=frame, nodes=cells.nodes, phase=bit_phase(cells.offset, keys.dither, self._step))
 
 
 def _digest(mesh: Mesh, key: Key) -> str:

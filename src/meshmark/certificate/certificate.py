@@ -11,6 +11,7 @@ the lattice's parameters: neither the surface nor anything of the key. The file 
     landmarks            count, explains (see `geometry.landmarks.Landmarks`), and arrays in base64, little-endian
                          rows: places, normals, masses, curvatures (32-bit floats), descriptors (16-bit floats)
     layers               what was embedded: both, ownership or authentication
+    carriers             of the id: cells or points
     written              of a model with the id alone: keyed digest of its positions, lock and cells of its lattice
                          (see `authentication.as_written`)
     binding              keyed digests of all other fields, of the key, and of the id (see `binding`)
@@ -25,7 +26,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from hashlib import blake2b
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -63,6 +64,15 @@ class Certificate:
     vertices: int
     faces: int
     more: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def at_points(self) -> bool:
+        """Return whether the id lies in points of the model, not in cells of its surface."""
+        return self.more.get("carriers") == "points"
+
+    def with_carriers(self, *, at_points: bool) -> Certificate:
+        """Return the certificate of a mark in points or in cells."""
+        return replace(self, more={**self.more, "carriers": "points" if at_points else "cells"})
 
     def to_dict(self) -> dict[str, Any]:
         """Return the fields of the file, plain JSON values."""

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from meshmark.geometry.areas import area_vectors, sum_at_points, vertex_areas_and_normals
+from meshmark.geometry.areas import area_vectors, sum_at_points, vertex_areas
 from meshmark.geometry.kd_tree import kd_tree
 from meshmark.geometry.stiffness import diffused
 from meshmark.mesh import FloatArray, IntArray
@@ -32,6 +32,8 @@ MASKING = 0.5
 PATCHES = 1500
 # Points of a patch that are used at most, and at least.
 MOST, LEAST = 100, 8
+# Faces that point both ways cancel down to this share of their area, by rounding.
+CANCELLED = 1e-6
 # Normals of one patch: others are of the far side of a thin wall.
 SAME_SIDE = 0.3
 
@@ -64,7 +66,7 @@ class VisibleChange:
         self._size = float((points - self._low).max()) or 1.0
         points = self._sized(points)
         self._points, self._faces = points, faces
-        areas, normals = vertex_areas_and_normals(points, faces)
+        normals, areas = _normals(points, faces)
         used = np.flatnonzero(areas > 0.0)
         self.centres = _spread(used, areas[used])
         near = _patches(points, normals, used, self.centres)
@@ -135,7 +137,7 @@ class VisibleChange:
 
     def of(self, points: FloatArray) -> Visibility:
         """Return how visible it is that the points (p, 3) are there now."""
-        _, normals = vertex_areas_and_normals(self._sized(points), self._faces)
+        normals, _ = _normals(self._sized(points), self._faces)
         chord = np.linalg.norm(normals[self._members] - self._normals, axis=1)
         angle = np.degrees(2.0 * np.arcsin(np.minimum(0.5 * chord, 1.0)))
         change = np.sqrt(self._mean @ angle**2)
@@ -146,6 +148,15 @@ class VisibleChange:
             p95=float(np.quantile(ratio, 0.95)),
             smooth=float(np.sqrt((change[self._smooth] ** 2).mean())),
         )
+
+
+def _normals(points: FloatArray, faces: IntArray) -> tuple[FloatArray, FloatArray]:
+    """Return the unit normals (p, 3), and how much area faces each way (p,): none where doubled faces cancel."""
+    summed = sum_at_points(area_vectors(points, faces), faces, len(points))
+    length = np.sqrt(np.einsum("ij,ij->i", summed, summed))
+    cancelled = length <= CANCELLED * vertex_areas(points, faces)
+    length[cancelled] = 0.0
+    return summed / np.where(cancelled, 1.0, length)[:, None], length
 
 
 def _spread(used: IntArray, areas: FloatArray) -> IntArray:

@@ -8,7 +8,7 @@ from meshmark.coding.chance import believable
 from meshmark.coding.codec import Codec
 from meshmark.ownership.decoding import Found
 from meshmark.ownership.extraction_result import Evidence, Extraction
-from meshmark.ownership.search.measurement import Reading
+from meshmark.ownership.search.reading import Reading
 
 __all__ = ["extraction_of"]
 
@@ -22,7 +22,7 @@ def extraction_of(found: Found, codec: Codec, mode: str, seconds: float) -> Extr
     agreeing, lock = 0, 0.0
     if reading is not None:
         agreeing = max((_agreeing(codec, reading, each) for each in found.ids), default=0)
-        lock = reading.score / float(reading.measured.keys.weight.sum())
+        lock = reading.score / float(reading.keys.weight.sum())
     presence, advice = _in_words(found, mode, agreeing)
     shown = found.ids or ((None,) if found.present else ())
     return Extraction(
@@ -72,7 +72,7 @@ def _in_words(found: Found, mode: str, agreeing: int) -> tuple[str, str]:
 
 def _agreeing(codec: Codec, reading: Reading, identity: int) -> int:
     """Return how many cells say the bits of an id, or, of a shape half a step off, the opposite."""
-    keys = reading.measured.keys
+    keys = reading.keys
     bits = np.where(keys.pilot, 0, codec.encode(identity)[keys.code_index])
     agreeing = int(((np.cos(reading.phase) < 0.0) == (bits == 1)).sum())
     return max(agreeing, len(bits) - agreeing)

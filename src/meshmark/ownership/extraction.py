@@ -16,7 +16,7 @@ from meshmark.ownership.answer import extraction_of
 from meshmark.ownership.decoding import Found, Listed, decoded, lock_bound
 from meshmark.ownership.extraction_result import Extraction
 from meshmark.ownership.parameters import PRESENT_LOG10
-from meshmark.ownership.search.measurement import Reading
+from meshmark.ownership.search.reading import Reading
 from meshmark.ownership.search.search import EFFORTS, Search
 from meshmark.ownership.search.strategies import STRATEGIES
 from meshmark.ownership.search.trials import OutOfTimeError, TrialCounter

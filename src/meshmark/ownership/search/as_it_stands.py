@@ -20,7 +20,8 @@ from meshmark.ownership.parameters import (
     STEPS,
     SURELY_SKEW,
 )
-from meshmark.ownership.search.measurement import Measurement, Reading, read_cells
+from meshmark.ownership.search.measurement import CellReading, Measurement, read_cells
+from meshmark.ownership.search.reading import Reading
 from meshmark.ownership.search.search import Search
 
 __all__ = ["readings_as_it_stands"]
@@ -53,4 +54,4 @@ def readings_as_it_stands(search: Search) -> Iterator[Reading]:
 def _at_best_step(measured: Measurement, charge: float) -> Reading:
     phases = measured.phase(STEPS[:, None])
     best = int(np.argmax(lock_score(measured.keys.factor * phases, measured.keys.weight)))
-    return Reading.of(measured, float(STEPS[best]), phases[best], len(STEPS) * charge)
+    return CellReading.of(measured, float(STEPS[best]), phases[best], len(STEPS) * charge)

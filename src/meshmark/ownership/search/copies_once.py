@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from meshmark.ownership.search.as_it_stands import readings_as_it_stands
-from meshmark.ownership.search.measurement import Reading
+from meshmark.ownership.search.at_points import readings_of_points
+from meshmark.ownership.search.reading import Reading
 from meshmark.ownership.search.search import Search
 
 __all__ = ["readings_of_copies"]
@@ -15,4 +16,6 @@ __all__ = ["readings_of_copies"]
 def readings_of_copies(search: Search) -> Iterator[Reading]:
     """Yield the readings of each further surface that may carry the mark."""
     for surface in search.copies:
-        yield from readings_as_it_stands(replace(search, surface=surface))
+        single = replace(search, surface=surface)
+        yield from readings_as_it_stands(single)
+        yield from readings_of_points(single)

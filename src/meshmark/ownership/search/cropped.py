@@ -35,7 +35,8 @@ from meshmark.ownership.parameters import (
     preferred_spacings,
 )
 from meshmark.ownership.search.locked import grown_locks, relocked
-from meshmark.ownership.search.measurement import Measurement, Reading, read_cells
+from meshmark.ownership.search.measurement import CellReading, Measurement, read_cells
+from meshmark.ownership.search.reading import Reading
 from meshmark.ownership.search.search import Search
 from meshmark.ownership.search.shapes import Response
 
@@ -138,4 +139,4 @@ def _anew(place: _Place, step: float, charge: float) -> Reading:
         phase, correction, tried = relocked(response.measured, response.gradient, step)
         charge *= tried
         place = place.then(correction)
-    return Reading.of(response.measured, step, phase, charge)
+    return CellReading.of(response.measured, step, phase, charge)

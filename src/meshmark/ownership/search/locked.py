@@ -25,7 +25,8 @@ from meshmark.ownership.parameters import (
     LOCK_RADIUS,
     TYPICAL_STEP,
 )
-from meshmark.ownership.search.measurement import Measurement, Reading
+from meshmark.ownership.search.measurement import CellReading, Measurement
+from meshmark.ownership.search.reading import Reading
 from meshmark.ownership.search.shapes import Hypothesis, Response, Shapes
 
 __all__ = ["grown_locks", "grown_readings", "locked_readings", "relocked"]
@@ -65,7 +66,7 @@ def locked_readings(
     found.sort(key=lambda entry: -entry[0])
     for score, step, correction in _distinct(found)[:LOCK_CANDIDATES]:
         phase = response.measured.phase(step, response.gradient @ correction)
-        reading = Reading.of(response.measured, step, phase, charge * tried)
+        reading = CellReading.of(response.measured, step, phase, charge * tried)
         yield reading
         if log10_lock_chance(score, len(phase)) + np.log10(tried) < CREDIBLE_LOG10:
             yield _again(shapes.corrected(hypothesis, correction), step, charge * tried)
@@ -139,4 +140,4 @@ def relocked(
 def _again(response: Response, step: float, charge: float) -> Reading:
     """Return the best reading close to where this response was measured."""
     phase, _, tried = relocked(response.measured, response.gradient, step)
-    return Reading.of(response.measured, step, phase, charge * tried)
+    return CellReading.of(response.measured, step, phase, charge * tried)

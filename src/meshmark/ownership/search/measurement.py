@@ -7,35 +7,37 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from meshmark.coding.codec import LENGTH
 from meshmark.geometry.sampling import Samples
 from meshmark.mesh import FloatArray
 from meshmark.ownership.carriers.cells import Cells, measure_cells
 from meshmark.ownership.carriers.lattice import CellKeys, Lattice
+from meshmark.ownership.carriers.lattice_label import Label
 from meshmark.ownership.carriers.pose import Pose
 from meshmark.ownership.carriers.quantisation import (
     bit_phase,
     lock_score,
     log10_lock_chance,
-    log_likelihood_ratio,
 )
 from meshmark.ownership.carriers.selection import select_cells
 from meshmark.ownership.observation import Observation
 from meshmark.ownership.parameters import EXTRACT_SELECTION
+from meshmark.ownership.search.reading import Reading
 
 if TYPE_CHECKING:
     from meshmark.ownership.carriers.relief import Relief
 
-__all__ = ["Measurement", "Reading", "place", "read_cells"]
+__all__ = ["CellReading", "Measurement", "place", "read_cells"]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Measurement:
     """n cells of a lattice of one spacing (in canonical units), measured in one frame.
 
-    keys: what the key says of them. relief: of the surface, where the network is to demodulate.
+    label: of the lattice. keys: what the key says of them. relief: of the surface, where the network is to
+    demodulate.
     """
 
+    label: Label
     spacing: float
     cells: Cells
     keys: CellKeys
@@ -44,7 +46,8 @@ class Measurement:
     @classmethod
     def of(cls, lattice: Lattice, cells: Cells, relief: Relief | None = None) -> Measurement:
         """Return the measurement of these cells."""
-        return cls(spacing=lattice.spacing, cells=cells, keys=lattice.keys(cells.nodes), relief=relief)
+        keys = lattice.keys(cells.nodes)
+        return cls(label=lattice.label, spacing=lattice.spacing, cells=cells, keys=keys, relief=relief)
 
     def __len__(self) -> int:
         return len(self.cells.nodes)
@@ -63,39 +66,29 @@ class Measurement:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Reading:
-    """A measurement read with one quantisation step.
+class CellReading(Reading):
+    """Cells read with one quantisation step.
 
-    step: in spacings. phase: (n,) radians; score: `lock_score`; log10_chance: of the score alone, one
-    hypothesis; hypotheses: what the chance is to be multiplied by (`TrialCounter`).
-    mirrored: read in the suspect's mirror image.
+    measured: whose phases they are.
     """
 
     measured: Measurement
-    step: float
-    phase: FloatArray
-    score: float
-    log10_chance: float
-    hypotheses: float
-    mirrored: bool = False
 
     @classmethod
-    def of(cls, measured: Measurement, step: float, phase: FloatArray, hypotheses: float) -> Reading:
+    def of(cls, measured: Measurement, step: float, phase: FloatArray, hypotheses: float) -> CellReading:
         """Score these phases."""
         score = float(lock_score(measured.keys.factor * phase, measured.keys.weight))
         return cls(
             measured=measured,
+            label=measured.label,
+            spacing=measured.spacing,
+            keys=measured.keys,
             step=step,
             phase=phase,
             score=score,
             log10_chance=log10_lock_chance(score, len(phase)),
             hypotheses=hypotheses,
         )
-
-    @property
-    def spacing(self) -> float:
-        """Return the lattice spacing, in canonical units."""
-        return self.measured.spacing
 
     def observation(self, relief: Relief) -> Observation:
         """Return what the reading shows of each cell."""
@@ -104,25 +97,13 @@ class Reading:
             phase=self.phase, cells=measured.cells, keys=measured.keys, step=self.step, relief=relief
         )
 
-    def observed(self) -> FloatArray:
-        """Return the log-likelihood ratio of each code bit, 0 where no cell carries it."""
-        measured = self.measured
-        if measured.relief is None:
-            ratio = np.where(measured.keys.pilot, 0.0, log_likelihood_ratio(self.phase))
-        else:
-            from meshmark.ownership.demodulator import demodulate
+    def ratios(self) -> FloatArray:
+        """Return the log-likelihood ratio (n,) of the bit of each cell."""
+        if self.measured.relief is None:
+            return super().ratios()
+        from meshmark.ownership.demodulator import demodulate
 
-            ratio = demodulate(self.observation(measured.relief))
-        return np.bincount(measured.keys.code_index, ratio, LENGTH).astype(np.float64)
-
-    def doubled(self) -> FloatArray:
-        """Return the cosine of the doubled phase of each code bit, 0 where no cell carries it.
-
-        Of an average of two copies it is positive where the two have the same bit, else negative.
-        """
-        keys = self.measured.keys
-        told = np.where(keys.pilot, 0.0, np.cos(2.0 * self.phase))
-        return np.bincount(keys.code_index, told, LENGTH).astype(np.float64)
+        return demodulate(self.observation(self.measured.relief))
 
 
 def read_cells(samples: Samples, lattice: Lattice, pose: Pose) -> Cells:

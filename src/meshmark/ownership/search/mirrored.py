@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import chain
 
 from meshmark.ownership.search.as_it_stands import readings_as_it_stands
-from meshmark.ownership.search.measurement import Reading
+from meshmark.ownership.search.at_points import readings_of_points
+from meshmark.ownership.search.reading import Reading
 from meshmark.ownership.search.search import Search
 
 __all__ = ["mirrored_readings"]
@@ -16,5 +18,6 @@ def mirrored_readings(search: Search) -> Iterator[Reading]:
     """Yield the readings of the mirror image."""
     surface = search.surface
     image = replace(surface, points=surface.points * [-1.0, 1.0, 1.0], faces=surface.faces[:, ::-1])
-    for reading in readings_as_it_stands(replace(search, surface=image)):
+    mirrored = replace(search, surface=image)
+    for reading in chain(readings_as_it_stands(mirrored), readings_of_points(mirrored)):
         yield replace(reading, mirrored=True)

@@ -15,7 +15,7 @@ from meshmark.ownership.parameters import (
     preferred_spacings,
 )
 from meshmark.ownership.search.locked import locked_readings
-from meshmark.ownership.search.measurement import Reading
+from meshmark.ownership.search.reading import Reading
 from meshmark.ownership.search.restoration import Restoration, restorations
 from meshmark.ownership.search.search import Search
 from meshmark.ownership.search.shapes import Hypothesis, Shapes

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
+from meshmark.certificate.certificate import Certificate
 from meshmark.late import late_function
 from meshmark.ownership.parameters import DECODE_LOG10
-from meshmark.ownership.search.measurement import Reading
+from meshmark.ownership.search.reading import Reading
 from meshmark.ownership.search.search import Search
 
 __all__ = ["STRATEGIES", "Strategy"]
@@ -34,8 +35,14 @@ def _always(_search: Search) -> bool:
     return True
 
 
-def _has_reference(search: Search) -> bool:
-    return search.reference is not None
+def _may_be_at_points(search: Search) -> bool:
+    reference = search.reference
+    return reference is not None and (not isinstance(reference, Certificate) or reference.at_points)
+
+
+def _may_be_in_cells(search: Search) -> bool:
+    reference = search.reference
+    return reference is not None and not (isinstance(reference, Certificate) and reference.at_points)
 
 
 def _undoes_damage(search: Search) -> bool:
@@ -55,6 +62,13 @@ STRATEGIES: tuple[Strategy, ...] = (
         decode_below=DECODE_LOG10,
     ),
     Strategy(
+        name="points as they stand",
+        readings=late_function("meshmark.ownership.search.at_points", "readings_of_points"),
+        applies=_always,
+        cost=3.0,
+        decode_below=DECODE_LOG10,
+    ),
+    Strategy(
         name="copies of one mesh once",
         readings=late_function("meshmark.ownership.search.copies_once", "readings_of_copies"),
         applies=_always,
@@ -62,9 +76,16 @@ STRATEGIES: tuple[Strategy, ...] = (
         decode_below=DECODE_LOG10,
     ),
     Strategy(
+        name="points registered",
+        readings=late_function("meshmark.ownership.search.at_points", "registered_readings_of_points"),
+        applies=_may_be_at_points,
+        cost=10.0,
+        decode_below=DECODE_LOG10,
+    ),
+    Strategy(
         name="registered",
         readings=late_function("meshmark.ownership.search.registered", "registered_readings"),
-        applies=_has_reference,
+        applies=_may_be_in_cells,
         cost=60.0,
     ),
     Strategy(

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 from meshmark.ownership.parameters import LARGE_STEPS, LOCK_STEPS
 from meshmark.ownership.search.locked import grown_readings
-from meshmark.ownership.search.measurement import Reading
+from meshmark.ownership.search.reading import Reading
 from meshmark.ownership.search.restoration import stretched
 from meshmark.ownership.search.restored import hypotheses
 from meshmark.ownership.search.search import Search

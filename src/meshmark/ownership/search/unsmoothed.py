@@ -36,7 +36,8 @@ from meshmark.ownership.parameters import (
     SPACING_TRIES,
     SURELY_SKEW,
 )
-from meshmark.ownership.search.measurement import Measurement, Reading, read_cells
+from meshmark.ownership.search.measurement import CellReading, Measurement, read_cells
+from meshmark.ownership.search.reading import Reading
 from meshmark.ownership.search.restoration import Shape
 from meshmark.ownership.search.search import Search
 from meshmark.ownership.search.shapes import Shapes
@@ -77,7 +78,7 @@ class _Guess:
         canonical = self.frame.to_canonical(self.points)
         sampler = plan_samples(canonical, search.surface.faces, LONGEST_SAMPLE * lattice.spacing)
         measured = Measurement.of(lattice, read_cells(sampler(canonical), lattice, Pose.turned(np.eye(3))))
-        return Reading.of(measured, self.step, measured.phase(self.step), hypotheses)
+        return CellReading.of(measured, self.step, measured.phase(self.step), hypotheses)
 
 
 def unsmoothed_readings(search: Search) -> Iterator[Reading]:

@@ -1,0 +1,130 @@
+"""The id in the cells of a surface: the toughest mark within what may be moved and seen, read back blind."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from meshmark.coding.polar import Bits
+from meshmark.errors import CapacityError
+from meshmark.geometry.surface import Surface
+from meshmark.geometry.surface_of import surface_of_moved
+from meshmark.ownership.carriers.lattice import Lattice
+from meshmark.ownership.embedding_task import EmbeddingTask, Owned
+from meshmark.ownership.extraction import find
+from meshmark.ownership.ownership_mark import OwnershipMark
+from meshmark.ownership.parameters import (
+    BUDGET_SHARE,
+    CARRIER_ENOUGH,
+    CARRIER_MINIMUM,
+    HOPELESS_BITS,
+    SPACING_TRIES,
+    STEP_TRIES,
+    STEPS,
+    TYPICAL_LOUDNESS,
+    TYPICAL_NOISE,
+    preferred_spacings,
+)
+from meshmark.ownership.search.search import Search
+from meshmark.ownership.search.trials import TrialCounter
+from meshmark.ownership.shaping import Shaping
+from meshmark.ownership.shortfall import why_not
+from meshmark.ownership.vertex_displacement import displacement_rms
+
+__all__ = ["embed_in_cells"]
+
+# Loudness of a mark of the middle step, at least: where hardly any patch changes it is 0.
+QUIETEST = 1e-3
+
+
+def embed_in_cells(task: EmbeddingTask) -> Owned:
+    """Return the first mark that is read back, of a few lattices and steps, the one that bears most noise first.
+
+    Raises `CapacityError` that says what the cells lack.
+    """
+    nearest: tuple[tuple[bool, int], str] | None = None
+    for shaping in _shapings(task, task.bits):
+        carriers = shaping.carriers if shaping.capacity >= CARRIER_MINIMUM else shaping.capacity
+        tried = carriers >= CARRIER_MINIMUM and shaping.bits >= HOPELESS_BITS
+        if nearest is None or (tried, carriers) > nearest[0]:
+            reason = why_not(shaping.surroundings, carriers, shaping.capacity, task.strength, tried)
+            nearest = (tried, carriers), reason
+        if tried and (found := _read_back(task, shaping)) is not None:
+            return found
+    raise CapacityError(
+        nearest[1] if nearest is not None else "the model has no surface that could carry 64 bits"
+    )
+
+
+def _shapings(task: EmbeddingTask, bits: Bits) -> Iterator[Shaping]:
+    """Yield the first few spacings with carriers enough, then those passed over, most carriers first."""
+    surface = task.surface
+    spacings = preferred_spacings(surface.frame.area)
+    rich, scarce = 0, []
+    for spacing in spacings:
+        shaping = Shaping(surface, Lattice.keyed(task.key, spacing, task.label), bits, task.seen, task.share)
+        if shaping.capacity < CARRIER_ENOUGH:
+            scarce.append(shaping)
+            continue
+        yield shaping
+        rich += 1
+        if rich == SPACING_TRIES:
+            break
+    yield from sorted(scarce, key=lambda shaping: -shaping.capacity)
+
+
+def _read_back(task: EmbeddingTask, shaping: Shaping) -> Owned | None:
+    """Return the first mark that is read back, from the toughest step down, or None."""
+    surface = task.surface
+    likeliest = _is_likeliest(surface, shaping.spacing)
+    first = _toughest(task, shaping)
+    for step in STEPS[first : first + STEP_TRIES]:
+        points = shaping.shaped(float(step))
+        marked = task.moved(points)
+        if displacement_rms(task.mesh, marked) > task.budget:
+            continue
+        search = Search(surface=surface_of_moved(marked, task.mesh), key=task.key, effort="plain")
+        # One spacing fails sooner than all would.
+        found = find(replace(search, spacings=(shaping.spacing,)))
+        if found.id == task.identity and not likeliest:
+            found = find(replace(search, trials=TrialCounter()))
+        if found.id == task.identity:
+            mark = OwnershipMark(
+                carriers=found.carriers, label=shaping.label, spacing=shaping.spacing, step=float(step)
+            )
+            return Owned(mesh=marked, mark=mark)
+    return None
+
+
+def _toughest(task: EmbeddingTask, shaping: Shaping) -> int:
+    """Return the index of the step within the budget that bears most noise; their number where none does."""
+
+    def worth(index: int) -> tuple[float, float]:
+        step = float(STEPS[index])
+        if shaping.rms(step) > BUDGET_SHARE * task.budget:
+            return -1.0, 0.0
+        borne = shaping.borne(step) / task.diagonal
+        return min(borne, TYPICAL_NOISE), shaping.told(step, TYPICAL_NOISE * task.diagonal)
+
+    # Loudness is about proportional to the step.
+    middle = float(STEPS[len(STEPS) // 2])
+    likely = middle * TYPICAL_LOUDNESS / max(shaping.loudness(middle), QUIETEST)
+    best = int(np.argmin(np.abs(np.log(STEPS / likely))))
+    values = {best: worth(best)}
+    while best < len(STEPS):
+        for index in (best - 1, best + 1):
+            if 0 <= index < len(STEPS) and index not in values:
+                values[index] = worth(index)
+        ahead = max(values, key=lambda index: (values[index], index))
+        if ahead == best and values[best][0] >= 0.0:
+            break
+        best = ahead if ahead != best else best + 1
+    return best
+
+
+def _is_likeliest(surface: Surface, spacing: float) -> bool:
+    """Return whether a spacing is the first that an extraction reads, so that no other need be tried."""
+    # Marking changes the area by far less than this.
+    return {preferred_spacings(surface.frame.area * change)[0] for change in (0.97, 1.03)} == {spacing}

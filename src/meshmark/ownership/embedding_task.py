@@ -1,0 +1,82 @@
+"""What is to be marked, and how far it may be moved and seen: what every way of embedding is given."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from meshmark.coding.codec import Codec
+from meshmark.coding.keys import Key
+from meshmark.coding.polar import Bits
+from meshmark.geometry.surface import Surface
+from meshmark.geometry.surface_of import surface_of
+from meshmark.geometry.visibility import VisibleChange
+from meshmark.io.file_precision import conform
+from meshmark.mesh import FloatArray, Mesh
+from meshmark.ownership.carriers.lattice_label import Label
+from meshmark.ownership.ownership_mark import OwnershipMark
+from meshmark.ownership.vertex_displacement import diagonal_of
+from meshmark.strengths import VISIBLE_SHARES
+
+__all__ = ["EmbeddingTask", "Owned"]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Owned:
+    """A mesh with a mark of the ownership layer."""
+
+    mesh: Mesh
+    mark: OwnershipMark
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class EmbeddingTask:
+    """An id to be put into a mesh.
+
+    strength: "subtle", "standard" or "strong"; budget: RMS displacement at most, scene units.
+    """
+
+    mesh: Mesh
+    key: Key
+    identity: int
+    strength: str
+    budget: float
+
+    @cached_property
+    def surface(self) -> Surface:
+        """The welded surface."""
+        return surface_of(self.mesh)
+
+    @cached_property
+    def diagonal(self) -> float:
+        """Diagonal of the box around the vertices that faces use, scene units."""
+        return diagonal_of(self.mesh)
+
+    @cached_property
+    def label(self) -> Label:
+        """Of the lattices that the mark lies in."""
+        return Label.of_shape(self.surface.invariants, self.key)
+
+    @cached_property
+    def bits(self) -> Bits:
+        """The code word of the id."""
+        return Codec(self.key).encode(self.identity)
+
+    @cached_property
+    def seen(self) -> VisibleChange:
+        """What judges how visible a mark is."""
+        return VisibleChange(self.surface.points, self.surface.faces)
+
+    @property
+    def share(self) -> float:
+        """Share of the surface where the mark may be visible."""
+        return VISIBLE_SHARES[self.strength]
+
+    def moved(self, points: FloatArray) -> Mesh:
+        """Return the mesh with the points of its surface (p, 3) elsewhere, as its file would hold it."""
+        surface = self.surface
+        moved = (points != surface.points).any(axis=1)[surface.point_of_vertex]
+        vertices = np.where(moved[:, None], points[surface.point_of_vertex], self.mesh.vertices)
+        return self.mesh.with_vertices(conform(self.mesh, vertices))

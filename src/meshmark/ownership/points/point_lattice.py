@@ -1,0 +1,86 @@
+"""What the key says of a point, by the cube of canonical space that it lies in: which code bits it carries."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from meshmark.coding.codec import LENGTH
+from meshmark.coding.keyed import cell_words, offset, rotation, unit_interval
+from meshmark.coding.keys import Key
+from meshmark.mesh import FloatArray, IntArray
+from meshmark.ownership.carriers.lattice_label import Label
+from meshmark.ownership.points.parameters import SIDE
+
+__all__ = ["PointKeys", "PointLattice", "distinct_cubes"]
+
+# Bits of a code index: three fit into one word.
+_INDEX_BITS = 16
+# Cubes in the box around some are numbered up to this.
+_NAMES = 2.0**62
+
+
+def distinct_cubes(cubes: IntArray) -> tuple[IntArray, IntArray]:
+    """Return the different ones (k, 3) of some cubes (n, 3), and which of them (n,) each is."""
+    low = cubes.min(axis=0, initial=2**40)
+    size = np.ptp(cubes, axis=0) + 1 if len(cubes) else np.ones(3)
+    if float(np.prod(size.astype(np.float64))) > _NAMES:
+        different, row = np.unique(cubes, axis=0, return_inverse=True)
+        return different, row.ravel()
+    x, y, z = (cubes - low).T
+    _, first, row = np.unique((x * size[1] + y) * size[2] + z, return_index=True, return_inverse=True)
+    return cubes[first], row.ravel()
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PointKeys:
+    """What the key says of the coordinates of n points.
+
+    code_index: (n, 3) which code bit each carries; dither: (n, 3) in [0, 1), in steps; draw: (n, 3) in [0, 1):
+    coordinates below the share that carries do.
+    """
+
+    code_index: IntArray
+    dither: FloatArray
+    draw: FloatArray
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PointLattice:
+    """Cubes of side `SIDE` in canonical space, turned (3, 3) and shifted (3,) by the key and a label."""
+
+    label: Label
+    axes: FloatArray
+    shift: FloatArray
+    _cubes: bytes
+
+    @classmethod
+    def keyed(cls, key: Key, label: Label) -> PointLattice:
+        """Return the lattice of a label: those of two labels have nothing in common."""
+        return cls(
+            label=label,
+            axes=rotation(key.subkey(f"turn of points of {label}")),
+            shift=offset(key.subkey(f"shift of points of {label}")),
+            _cubes=key.subkey(f"points of {label}"),
+        )
+
+    def places(self, canonical: FloatArray) -> FloatArray:
+        """Return where canonical points (n, 3) lie, in sides of the cubes."""
+        return canonical @ (self.axes.T / SIDE) + self.shift
+
+    def cubes(self, canonical: FloatArray) -> IntArray:
+        """Return the integer coordinates (n, 3) of the cubes that canonical points lie in."""
+        return np.floor(self.places(canonical)).astype(np.int64)
+
+    def keys(self, cubes: IntArray) -> PointKeys:
+        """Return what the key says of points in these cubes (n, 3)."""
+        different, row = distinct_cubes(cubes)
+        words = cell_words(self._cubes, different, 7)
+        shifts = np.arange(3, dtype=np.uint64) * np.uint64(_INDEX_BITS)
+        indices = (words[:, :1] >> shifts) & np.uint64(2**_INDEX_BITS - 1)
+        return PointKeys(
+            code_index=(indices % np.uint64(LENGTH)).astype(np.int64)[row],
+            dither=unit_interval(words[:, 1:4])[row],
+            draw=unit_interval(words[:, 4:7])[row],
+        )

@@ -1,0 +1,218 @@
+"""Points read under one hypothesis of the frame: which step, mode and share lock best, and what they say."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshmark.geometry.frame import Frame
+from meshmark.geometry.surface import Surface
+from meshmark.mesh import FloatArray, IntArray
+from meshmark.ownership.carriers.lattice import CellKeys
+from meshmark.ownership.carriers.lock import LockSearch
+from meshmark.ownership.carriers.pose import Pose
+from meshmark.ownership.points.carried import Carried
+from meshmark.ownership.points.parameters import MODES, SHARES, SIDE, STEPS
+from meshmark.ownership.points.point_lattice import PointKeys, PointLattice, distinct_cubes
+from meshmark.ownership.points.point_shaping import Choice
+from meshmark.ownership.search.reading import Reading
+
+__all__ = ["CHOICES", "Framed", "PointLock"]
+
+CHOICES = len(STEPS) * len(MODES) * len(SHARES)
+"""Number of choices of a step, a mode and a share."""
+# Fewer coordinates are not read, and more than these not where only the best choices are looked for.
+READABLE, SCREENED = 40, 8000
+# Standard deviations of what is left to correct of a frame: in steps, and of a turn, besides, in radians, over the
+# gap between the second moments along the two axes that it turns, and at most; how many of them are looked at.
+EXPECTED, TURNED, TURNED_MOST, REACH = 0.25, 2e-5, 0.008, 2.5
+# Corrections that are tried, and coordinates that they are judged by.
+CORRECTIONS, JUDGES = 2, 1000
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PointLock:
+    """A choice, where it locks in a frame, and how likely that is by chance: 10^log10_chance."""
+
+    log10_chance: float
+    framed: Framed
+    choice: Choice
+
+    def readings(self, hypotheses: float, moments: FloatArray) -> Iterator[Reading]:
+        """Yield the reading of this choice, then those with the frame corrected.
+
+        hypotheses: that it is the best of. moments: (3,) of the frame, shares of their sum.
+        """
+        framed = self.framed
+        choice = framed.best_share(self.choice)
+        yield framed.reading(choice, hypotheses)
+        carries = framed.carrying(choice)
+        if np.count_nonzero(carries) < READABLE:
+            return
+        turned = [TURNED / max(abs(moments[i - 1] - moments[i - 2]), TURNED / TURNED_MOST) for i in range(3)]
+        expected = EXPECTED * choice.step + np.array([0.0] * 4 + turned)
+        judges = framed.first(carries, JUDGES)
+        psi = 2.0 * framed.phases(choice.step)[judges]
+        gradient = (4.0 * np.pi / choice.step) * framed.gradient(judges)
+        search = LockSearch(psi, gradient, expected, REACH, weight=np.ones(len(psi)))
+        for lock in search.polished(search.rough(CORRECTIONS)):
+            corrected = framed.corrected(lock.correction)
+            yield corrected.reading(choice, hypotheses * search.tried)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Framed:
+    """The points of a suspect in a frame, with what the key says of them there.
+
+    points: (p, 3) in the frame; coordinates: (p, 3) for each of `MODES`, which carry; room: (steps, p), where there
+    is room for each of `STEPS`; group: (p, 3) coordinates with one number share what the key says.
+    """
+
+    points: FloatArray
+    coordinates: tuple[NDArray[np.bool_], ...]
+    room: NDArray[np.bool_]
+    lattice: PointLattice
+    keys: PointKeys
+    group: IntArray
+
+    @classmethod
+    def of(cls, surface: Surface, carried: Carried, frame: Frame, lattice: PointLattice) -> Framed:
+        """Read a surface in a turn of the frame that `carried` was found in."""
+        coordinates = carried.turned(carried.frame.axes.T @ frame.axes)
+        room = np.array([carried.at(step) for step in STEPS])
+        return cls._at(frame.to_canonical(surface.points), coordinates, room, lattice)
+
+    @classmethod
+    def _at(
+        cls,
+        points: FloatArray,
+        coordinates: tuple[NDArray[np.bool_], ...],
+        room: NDArray[np.bool_],
+        lattice: PointLattice,
+    ) -> Framed:
+        cubes = lattice.cubes(points)
+        return cls(
+            points=points,
+            coordinates=coordinates,
+            room=room,
+            lattice=lattice,
+            keys=lattice.keys(cubes),
+            group=3 * distinct_cubes(cubes)[1][:, None] + np.arange(3),
+        )
+
+    def corrected(self, correction: FloatArray) -> Framed:
+        """Return the points in a frame that is off by a small pose (7,): shift, logarithm of scale, turn."""
+        pose = Pose.turned(np.eye(3)).then(correction)
+        points = pose.scale * self.points @ pose.turn + pose.shift
+        return Framed._at(points, self.coordinates, self.room, self.lattice)
+
+    def phases(self, step: float) -> FloatArray:
+        """Return the phases (p, 3), radians, at a step in canonical units."""
+        return np.asarray(2.0 * np.pi * (self.points / step - self.keys.dither))
+
+    def carrying(self, choice: Choice) -> NDArray[np.bool_]:
+        """Return (p, 3): the coordinates that carry under a choice."""
+        room = self.room[np.argmin(np.abs(STEPS - choice.step))]
+        return np.asarray(self.coordinates[choice.mode] & room[:, None] & (self.keys.draw < choice.cut))
+
+    def first(self, carries: NDArray[np.bool_], most: int) -> NDArray[np.bool_]:
+        """Return (p, 3): of the coordinates that carry those with the lowest draws, at most this number."""
+        draw = np.sort(self.keys.draw[carries])
+        return carries if len(draw) <= most else np.asarray(carries & (self.keys.draw < draw[most]))
+
+    def gradient(self, carries: NDArray[np.bool_]) -> FloatArray:
+        """Return (n, 7): the change of the carrying coordinates for a small pose."""
+        point, axis = np.nonzero(carries)
+        place, unit = self.points[point], np.eye(3)[axis]
+        along = place[np.arange(len(axis)), axis]
+        return np.column_stack([unit, along, np.cross(place, unit)])
+
+    def locks(self) -> Iterator[PointLock]:
+        """Yield the best choice for each step, of large models judged by some of the coordinates."""
+        few = self.first(self.coordinates[-1], SCREENED)
+        draw, group = self.keys.draw[few], self.group[few]
+        order = np.argsort(draw, kind="stable")
+        draw, group = draw[order], group[order]
+        for step, room in zip(STEPS, self.room, strict=True):
+            if not room.any():
+                continue
+            wave = np.exp(2j * self.phases(step)[few])[order]
+            chances = []
+            for mode, coordinates in enumerate(self.coordinates):
+                carries = (coordinates & room[:, None])[few][order]
+                chances += _chances(wave[carries], draw[carries], group[carries], float(step), mode)
+            if chances:
+                chance, choice = min(chances, key=lambda entry: entry[0])
+                yield PointLock(log10_chance=chance, framed=self, choice=choice)
+
+    def best_at(self, step: float) -> Choice:
+        """Return the choice of a step, one of `STEPS`, that locks best."""
+        return min(
+            (self.best_share(Choice(step=step, mode=mode, share=1.0)) for mode in range(len(MODES))),
+            key=lambda each: self.reading(each, 1.0).log10_chance,
+        )
+
+    def best_share(self, choice: Choice) -> Choice:
+        """Return the choice with the share that locks best, judged by all coordinates."""
+        locks = [replace(choice, share=share) for share in SHARES]
+        return min(locks, key=lambda each: self.reading(each, 1.0).log10_chance)
+
+    def reading(self, choice: Choice, hypotheses: float) -> Reading:
+        """Return what the points say under a choice."""
+        carries = self.carrying(choice)
+        phase = self.phases(choice.step)[carries]
+        real, square = _summed(np.exp(2j * phase), self.group[carries])
+        keys = CellKeys(
+            code_index=self.keys.code_index[carries],
+            dither=self.keys.dither[carries],
+            pilot=np.zeros(len(phase), bool),
+        )
+        score = float(real.sum())
+        return Reading(
+            label=self.lattice.label,
+            spacing=SIDE,
+            step=choice.step / SIDE,
+            at_points=True,
+            keys=keys,
+            phase=phase,
+            score=score,
+            log10_chance=_log10_chance(score, float(square.sum())),
+            hypotheses=hypotheses,
+        )
+
+
+def _summed(wave: NDArray[np.complex128], group: IntArray) -> tuple[FloatArray, FloatArray]:
+    """Return the real part of the sum of the waves of each group, and the square of its size."""
+    real, imaginary = (np.bincount(group, part).astype(np.float64) for part in (wave.real, wave.imag))
+    return real, real**2 + imaginary**2
+
+
+def _chances(
+    wave: NDArray[np.complex128], draw: FloatArray, group: IntArray, step: float, mode: int
+) -> list[tuple[float, Choice]]:
+    """Return the chance of the lock of each share that has coordinates enough; in the order of the draws (n,)."""
+    names, first, row = np.unique(group, return_index=True, return_inverse=True)
+    real, square = _summed(wave, row)
+    by_draw = np.argsort(first, kind="stable")  # groups in the order of their draws
+    real, square = np.cumsum(real[by_draw]), np.cumsum(square[by_draw])
+    count = np.cumsum(np.bincount(row, minlength=len(names))[by_draw])
+    draws = draw[first[by_draw]]
+    chances = []
+    for share in SHARES:
+        choice = Choice(step=step, mode=mode, share=share)
+        end = int(np.searchsorted(draws, choice.cut)) - 1
+        if end < 0 or count[end] < READABLE:
+            break
+        chances.append((_log10_chance(float(real[end]), float(square[end])), choice))
+    return chances
+
+
+def _log10_chance(score: float, squares: float) -> float:
+    """Bound log10 of the chance that groups of coordinates reach a score without a mark.
+
+    The key turns the sum of the waves of a group by a uniform angle; for |z| cos(angle) as in `log10_lock_chance`.
+    """
+    return -(score * score) / (squares * np.log(10.0)) if score > 0.0 else 0.0

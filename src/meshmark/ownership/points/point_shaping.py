@@ -1,0 +1,216 @@
+"""Moving the points of a surface so that their coordinates carry bits, while its canonical frame stays."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+
+from meshmark.coding.codec import LENGTH
+from meshmark.coding.polar import Bits
+from meshmark.geometry.areas import area_vectors
+from meshmark.geometry.joints import joints_of
+from meshmark.geometry.surface import Surface
+from meshmark.mesh import FloatArray, IntArray
+from meshmark.ownership.points.balance import balanced
+from meshmark.ownership.points.carried import Carried
+from meshmark.ownership.points.coordinates import held
+from meshmark.ownership.points.frame_moments import MOMENTS, frame_moments
+from meshmark.ownership.points.parameters import KEPT_SHARE, LIFTED, MODES, MOMENTS_APART, SLIDING
+from meshmark.ownership.points.point_lattice import PointKeys, PointLattice
+from meshmark.ownership.points.targets import nearest_places
+
+__all__ = ["Choice", "PointShaping", "carrying"]
+
+# Passes: what carries is what an extraction will find on the moved surface.
+PASSES = 3
+# Newton passes for the frame, in each pass and in the last, and the error with which they may stop.
+FRAME_PASSES = (2, 12)
+FRAME_ERROR = 1e-7
+# Directions of the frame that give way less than this share of the most are left alone.
+SINGULAR = 1e-12
+# Faces with twice this area over the mean have a normal that can turn.
+SOUND = 1e-9
+# Further passes, for points that had to be let go: of folded faces, and those moved too far for the frame's sake.
+FURTHER = 5
+# Share of the faces that fold over from which a choice is given up.
+HOPELESS = 0.02
+# Share of the largest displacement from which points are held back.
+NEARLY = 0.7
+
+
+@dataclass(frozen=True, kw_only=True)
+class Choice:
+    """How points carry.
+
+    step: in canonical units. mode: index of `MODES`. share: of the coordinates that carry, one of `SHARES`.
+    """
+
+    step: float
+    mode: int
+    share: float
+
+    @property
+    def cut(self) -> float:
+        """Return the draw below which a coordinate carries."""
+        return self.share * (KEPT_SHARE if self.mode == len(MODES) - 1 else 1.0)
+
+
+def carrying(carried: Carried, draw: FloatArray, choice: Choice) -> NDArray[np.bool_]:
+    """Return (p, 3): the coordinates that carry under a choice; draw: of their keys (p, 3)."""
+    return np.asarray(
+        carried.coordinates[choice.mode] & carried.at(choice.step)[:, None] & (draw < choice.cut)
+    )
+
+
+class PointShaping:
+    """A surface whose points are to carry bits.
+
+    surface: to be marked. lattice: of its label. bits: of the id's word. largest: displacement of a point at most,
+    over the diagonal; budget: RMS displacement, over the diagonal.
+    """
+
+    def __init__(
+        self, surface: Surface, lattice: PointLattice, bits: Bits, *, largest: float, budget: float
+    ) -> None:
+        self._surface, self._lattice, self._bits = surface, lattice, bits
+        self._frame = surface.frame
+        self._start = Carried(surface, self._frame)
+        self._points = self._frame.to_canonical(surface.points)
+        self._largest = largest * surface.diagonal / self._frame.scale
+        moments = _apart(self._frame.moments, min(MOMENTS_APART[0], MOMENTS_APART[1] * budget))
+        self._goal = np.concatenate([np.zeros(3), moments, np.zeros(3)])
+        # Stretching the whole keeps planes plane; what it leaves of the moments, some points make up for.
+        self._stretched = self._points * np.sqrt(moments / np.maximum(self._frame.moments, 1e-12))
+
+    @cached_property
+    def _joints(self) -> csr_array:
+        """(p, p): how points follow others, see `joints_of`."""
+        return joints_of(self._surface)
+
+    @cached_property
+    def _pull(self) -> csr_array:
+        """(p, p): the joints transposed."""
+        return self._joints.T.tocsr()
+
+    @cached_property
+    def _keys(self) -> PointKeys:
+        return self._lattice.keys(self._lattice.cubes(self._points))
+
+    def distinct_bits(self, choice: Choice) -> int:
+        """Return how many code bits are carried under a choice, before anything moves."""
+        index = self._keys.code_index[carrying(self._start, self._keys.draw, choice)]
+        return int(np.count_nonzero(np.bincount(index, minlength=LENGTH)))
+
+    def rms(self, choice: Choice) -> float:
+        """Return the RMS displacement, over the diagonal, that a choice will take, about."""
+        carries = carrying(self._start, self._keys.draw, choice)
+        square = self._strain[carries].sum() / max(len(carries), 1) * choice.step**2 / 12.0
+        return float(np.sqrt(square) * self._frame.scale / self._surface.diagonal)
+
+    @cached_property
+    def _strain(self) -> FloatArray:
+        """(p, 3) square of the motion for a unit of change of each coordinate."""
+        ease = np.linalg.inv(self._start.stars.tensor + SLIDING * np.eye(3))
+        own = np.einsum("pii->pi", ease)
+        return np.asarray((ease**2).sum(axis=1) / own**2)
+
+    def shaped(self, choice: Choice) -> FloatArray | None:
+        """Return the points (p, 3), in scene units, moved as chosen; None where faces would fold over."""
+        surface, start, joints = self._surface, self._stretched, self._joints
+        before = _normals(start, surface.faces)
+        frozen = (joints.diagonal() != 1.0) | (np.diff(joints.indptr) != 1)
+        yields = np.minimum(self._start.stars.height / self._largest, 1.0) ** 2
+        points, motion = start, np.zeros_like(start)
+        for number in range(PASSES + FURTHER):
+            carried = Carried(surface.moved(self._frame.to_scene(points)), self._frame)
+            ease = np.asarray(np.linalg.inv(carried.stars.tensor + SLIDING * np.eye(3)), dtype=np.float64)
+            draw = self._lattice.keys(self._lattice.cubes(points)).draw
+            carries = carrying(carried, draw, choice) & ~frozen[:, None]
+            follow, _ = held(ease, carries)
+            motion, done = nearest_places(start, follow, self._lattice, self._bits, choice.step)
+            done &= carries.any(axis=1) & (np.linalg.norm(motion, axis=1) <= self._largest)
+            motion[~done] = 0.0
+            carries &= done[:, None]
+            follow, rest = held(ease, carries)
+            rest *= yields[:, None, None]
+            rest[frozen] = 0.0
+            gradient, error, system = self._off(motion, rest)
+            further = balanced(
+                motion,
+                follow=follow,
+                cost=carried.stars.tensor + SLIDING * np.eye(3),
+                carries=carries,
+                step=choice.step,
+                gradient=gradient,
+                error=error,
+                price=np.asarray(np.linalg.pinv(system, rcond=SINGULAR, hermitian=True), dtype=np.float64),
+            )
+            stays = (self._lattice.cubes(start + further) == self._lattice.cubes(start + motion)).all(axis=1)
+            motion = np.where(stays[:, None], further, motion)
+            motion = self._framed(motion, rest, FRAME_PASSES[number >= PASSES - 1])
+            points = start + joints @ motion
+            folded = (np.einsum("ij,ij->i", before, _normals(points, surface.faces)) < LIFTED) & (
+                (before**2).sum(axis=1) > 0.0
+            )
+            far = np.linalg.norm(points - self._points, axis=1) / self._largest
+            if folded.mean() > HOPELESS:
+                return None
+            if folded.any():
+                frozen = frozen | _touched(joints, np.unique(surface.faces[folded]), len(points))
+            elif far.max() > 1.0:
+                yields = np.where(far > NEARLY, yields * (NEARLY / far) ** 2 / 2.0, yields)
+            elif number >= PASSES - 1:
+                return self._frame.to_scene(points)
+        return None
+
+    def _framed(self, motion: FloatArray, rest: FloatArray, passes: int) -> FloatArray:
+        """Return the motion (p, 3) with what `rest` allows added until the frame is as wanted."""
+        for _ in range(passes):
+            gradient, error, system = self._off(motion, rest)
+            if np.abs(error).max() < FRAME_ERROR:
+                break
+            step = np.linalg.pinv(system, rcond=SINGULAR, hermitian=True) @ error
+            motion = motion - np.einsum("pij,qpj,q->pi", rest, gradient, step, optimize=True)
+        return motion
+
+    def _off(self, motion: FloatArray, rest: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return gradient (9, p, 3), error (9,) and system (9, 9) of the frame's moments under a motion.
+
+        The system says how they change for a unit of force along each gradient, `rest` (p, 3, 3) giving way.
+        """
+        values, gradient = frame_moments(self._stretched + self._joints @ motion, self._surface.faces)
+        by_free = self._pull @ gradient.transpose(1, 0, 2).reshape(len(motion), -1)
+        pulled = by_free.reshape(len(motion), MOMENTS, 3)
+        system = np.einsum("pqi,pij,prj->qr", pulled, rest, pulled, optimize=True)
+        return pulled.transpose(1, 0, 2), values - self._goal, system
+
+
+def _touched(joints: csr_array, points: IntArray, count: int) -> NDArray[np.bool_]:
+    """Return (count,): points that these follow or are."""
+    touched = np.zeros(count, bool)
+    touched[points] = True
+    touched[joints[points].indices] = True
+    return touched
+
+
+def _apart(moments: FloatArray, gap: float) -> FloatArray:
+    """Return falling second moments (3,), of the same sum, that are `gap` apart."""
+    moments = moments.copy()
+    for _ in range(20):
+        for i in range(2):
+            short = max(gap - (moments[i] - moments[i + 1]), 0.0)
+            moments[i] += short / 2.0
+            moments[i + 1] -= short / 2.0
+    return np.asarray(moments / moments.sum())
+
+
+def _normals(points: FloatArray, faces: IntArray) -> FloatArray:
+    """Return unit normals (m, 3) of the faces, 0 of slivers."""
+    vectors = area_vectors(points, faces)
+    length = np.linalg.norm(vectors, axis=1)
+    sound = length > SOUND * max(float(length.mean()), 1e-300)
+    return np.asarray(np.where(sound[:, None], vectors / np.maximum(length, 1e-300)[:, None], 0.0))

@@ -1,0 +1,72 @@
+"""Where points go so that their coordinates say their bits: the nearest places on the quantiser's points."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshmark.coding.polar import Bits
+from meshmark.mesh import FloatArray, IntArray
+from meshmark.ownership.points.parameters import GUARD, SIDE
+from meshmark.ownership.points.point_lattice import PointLattice
+
+__all__ = ["nearest_places"]
+
+# Steps beside the nearest point that are tried for each coordinate, where that one lies outside of the cube.
+BESIDE = np.array(list(product((0, -1, 1), repeat=3)))
+# The cube that a point lies in, and those across its nearest sides.
+ACROSS = np.array(list(product((0, 1), repeat=3)))
+
+
+def nearest_places(
+    points: FloatArray, follow: FloatArray, lattice: PointLattice, bits: Bits, step: float
+) -> tuple[FloatArray, NDArray[np.bool_]]:
+    """Return the motions (n, 3) that set the carried coordinates of points, and which points (n,) could be set.
+
+    A point has to stay inside the cube that its bits come from, clear of the sides; where the nearest place is not,
+    others are tried, then those of the cubes next to it.
+
+    Parameters
+    ----------
+    points : (n, 3) float array
+        Canonical.
+    follow : (n, 3, 3) float array
+        Motion of a point for a change of its coordinates, as of `held`.
+    lattice : PointLattice
+    bits : (code length,) int array
+    step : float
+        In units of the canonical scale.
+    """
+    motion = np.zeros_like(points)
+    done = np.zeros(len(points), bool)
+    places = lattice.places(points)
+    own = np.floor(places).astype(np.int64)
+    beyond = np.where(places - own < 0.5, -1, 1)
+    for across in ACROSS:
+        rows = np.flatnonzero(~done)
+        if not len(rows):
+            break
+        cubes = own[rows] + across * beyond[rows]
+        found, fits = _within(points[rows], follow[rows], cubes, lattice, bits, step)
+        motion[rows[fits]] = found[fits]
+        done[rows[fits]] = True
+    return motion, done
+
+
+def _within(
+    points: FloatArray, follow: FloatArray, cubes: IntArray, lattice: PointLattice, bits: Bits, step: float
+) -> tuple[FloatArray, NDArray[np.bool_]]:
+    """Return the shortest motions (n, 3) that end well inside these cubes (n, 3), and for which there is one."""
+    keys = lattice.keys(cubes)
+    off = points / step - keys.dither - bits[keys.code_index] / 2.0
+    change = step * ((np.round(off) - off)[:, None] + BESIDE)  # (n, 27, 3)
+    motions = change @ follow.transpose(0, 2, 1)
+    ends = lattice.places((points[:, None] + motions).reshape(-1, 3)).reshape(motions.shape) - cubes[:, None]
+    margin = GUARD * step / SIDE
+    inside = ((ends > margin) & (ends < 1.0 - margin)).all(axis=2)
+    length = np.where(inside, np.einsum("nkj,nkj->nk", motions, motions), np.inf)
+    best = length.argmin(axis=1)
+    rows = np.arange(len(points))
+    return motions[rows, best], np.isfinite(length[rows, best])
