@@ -27,7 +27,7 @@ LAYERS = (
 # The same of the folders within a folder.
 INSIDE = {
     "io": ("text", "obj", "off", "ply", "stl", "gltf", "threemf"),
-    "ownership": ("carriers", "search"),
+    "ownership": ("carriers", "points", "search"),
     "authentication": ("payload", "marks", "checks", "regions"),
     "research": ("schemes", "training", "ablation", "benchmark", "cli"),
     "research.benchmark": ("run", "figures", "page", "paper"),

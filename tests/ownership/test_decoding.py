@@ -9,9 +9,9 @@ from meshmark.coding.codec import Codec
 from meshmark.ownership.carriers.cells import Cells
 from meshmark.ownership.carriers.lattice import Lattice
 from meshmark.ownership.carriers.lattice_label import Label
+from meshmark.ownership.carriers.reading import Reading
 from meshmark.ownership.decoding import Listed, decoded, lock_bound
 from meshmark.ownership.search.measurement import CellReading, Measurement
-from meshmark.ownership.search.reading import Reading
 from tests.keys import KEY
 
 CODEC = Codec(KEY)

@@ -123,7 +123,7 @@ def test_a_symmetric_shape_gets_axes_of_its_own(model):
 
 
 def test_too_little_surface_is_refused_with_what_is_missing():
-    box = Mesh(*pebble(14))
+    box = Mesh(*pebble(3))
     with pytest.raises(
         CapacityError, match=r"needs about \d+ carriers .*, has \d+ .*; its triangles are .* long"
     ):

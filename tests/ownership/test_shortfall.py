@@ -8,8 +8,11 @@ import numpy as np
 import pytest
 
 from meshmark.errors import CapacityError
-from meshmark.marking import embed
+from meshmark.marking import both_layers, embed
 from meshmark.mesh import Mesh
+from meshmark.ownership.embedding_in_cells import embed_in_cells
+from meshmark.ownership.embedding_task import EmbeddingTask
+from meshmark.ownership.vertex_displacement import diagonal_of
 from tests.keys import ID, KEY
 from tests.shapes import pebble
 
@@ -25,8 +28,12 @@ def subdivided(points, faces):
 
 
 def refusal(mesh: Mesh) -> str:
+    """Return why the cells of a mesh cannot carry the id; its points may."""
+    task = EmbeddingTask(
+        mesh=mesh, key=KEY, identity=ID, strength="standard", budget=8e-4 * diagonal_of(mesh)
+    )
     with pytest.raises(CapacityError) as caught:
-        embed(mesh, KEY, id=ID, layers="ownership")
+        embed_in_cells(task)
     return str(caught.value)
 
 
@@ -67,19 +74,22 @@ def test_thin_scattered_parts_are_named():
     assert "too small or too narrow for a patch" in refusal(Mesh(points, faces))
 
 
-def test_room_for_authentication_alone_is_said():
-    points, faces = pebble(40)
-    needle = Mesh(points * [1.0, 0.02, 0.02], faces)
-    with pytest.raises(CapacityError, match=r"for --layers authentication, .* there is room"):
-        embed(needle, KEY, id=ID)
-    assert embed(needle, KEY, id=ID, layers="authentication").mark_vertices > 0
+def test_where_points_cannot_carry_it_either_both_reasons_are_said():
+    points, faces = pebble(3)
+    with pytest.raises(CapacityError, match=r"times as long as a patch.*; its 20 points carry \d+ bits .*88"):
+        embed(Mesh(points, faces), KEY, id=ID, layers="ownership")
+
+
+def test_room_for_authentication_alone_is_said(monkeypatch):
+    def refuse(*_arguments, **_options):
+        raise CapacityError("no room")
+
+    monkeypatch.setattr(both_layers, "embed_repeated", refuse)
+    with pytest.raises(CapacityError, match=r"no room; for --layers authentication, .* there is room"):
+        embed(Mesh(*pebble(40)), KEY, id=ID)
 
 
 def test_no_room_for_authentication_alone_is_not_promised():
-    points, faces = pebble(40)
-    doubled = Mesh(points, np.concatenate([faces, faces[:, ::-1]]))
     with pytest.raises(CapacityError) as caught:
-        embed(doubled, KEY, id=ID)
+        embed(Mesh(*pebble(3)), KEY, id=ID)
     assert "--layers authentication" not in str(caught.value)
-    with pytest.raises(CapacityError, match="room for 0 marks of authentication"):
-        embed(doubled, KEY, id=ID, layers="authentication")

@@ -19,7 +19,7 @@ from meshmark.ownership.carriers.nodes import find_nodes
 from meshmark.ownership.carriers.pose import Pose
 from meshmark.ownership.carriers.quantisation import bit_phase
 from meshmark.ownership.parameters import LONGEST_SAMPLE, SURELY_SKEW
-from meshmark.ownership.points.carried import Carried
+from meshmark.ownership.points.carried_coordinates import Carried
 from meshmark.ownership.points.parameters import SIDE, STEPS
 from meshmark.ownership.points.point_lattice import PointLattice
 from meshmark.ownership.points.point_reading import Framed

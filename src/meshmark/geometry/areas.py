@@ -11,6 +11,7 @@ from meshmark.mesh import FloatArray, IntArray
 __all__ = [
     "area_vectors",
     "face_areas",
+    "longest_edges",
     "sum_at_points",
     "vertex_areas",
     "vertex_areas_and_normals",
@@ -49,6 +50,14 @@ def sum_at_points(values: FloatArray, faces: IntArray, count: int) -> FloatArray
 def vertex_areas(points: FloatArray, faces: IntArray) -> FloatArray:
     """Return (p,): a third of the area of the faces that meet at each point; 0 where none does."""
     return sum_at_points(face_areas(points, faces) / 3.0, faces, len(points))
+
+
+def longest_edges(points: FloatArray, faces: IntArray) -> float:
+    """Return the longest edge of a face, mean over the area, in the unit of the points (p, 3); 0 without area."""
+    corners = points[faces]
+    squares = ((corners - np.roll(corners, 1, axis=1)) ** 2).sum(axis=2)
+    areas = face_areas(points, faces)
+    return float(np.sqrt(squares.max(axis=1)) @ areas) / max(float(areas.sum()), np.finfo(float).tiny)
 
 
 def vertex_normals(points: FloatArray, faces: IntArray) -> FloatArray:

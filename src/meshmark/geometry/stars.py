@@ -85,7 +85,7 @@ def _inward(faces: IntArray, along: FloatArray, normals: FloatArray) -> tuple[In
     name = np.minimum(start, end) * count + np.maximum(start, end)
     into = np.cross(np.repeat(normals, 3, axis=0), along.reshape(-1, 3))
     names, row = np.unique(name, return_inverse=True)
-    summed = np.stack([np.bincount(row.ravel(), axis, len(names)) for axis in into.T], axis=1)
+    summed = np.stack([np.bincount(row.ravel(), axis, len(names)) for axis in into.T], axis=1).astype(float)
     ends = np.stack([names // max(count, 1), names % max(count, 1)], axis=1).astype(np.int64)
     return ends, summed
 

@@ -151,12 +151,17 @@ class VisibleChange:
 
 
 def _normals(points: FloatArray, faces: IntArray) -> tuple[FloatArray, FloatArray]:
-    """Return the unit normals (p, 3), and how much area faces each way (p,): none where doubled faces cancel."""
+    """Return the unit normals (p, 3), and the area (p,) that they speak for: none where doubled faces cancel.
+
+    Of a surface that is doubled everywhere each point speaks for its faces; it has no normals that could change.
+    """
     summed = sum_at_points(area_vectors(points, faces), faces, len(points))
     length = np.sqrt(np.einsum("ij,ij->i", summed, summed))
-    cancelled = length <= CANCELLED * vertex_areas(points, faces)
-    length[cancelled] = 0.0
-    return summed / np.where(cancelled, 1.0, length)[:, None], length
+    areas = vertex_areas(points, faces)
+    cancelled = length <= CANCELLED * areas
+    summed[cancelled] = 0.0
+    weight = areas if cancelled.all() else np.where(cancelled, 0.0, length)
+    return summed / np.where(cancelled, 1.0, length)[:, None], weight
 
 
 def _spread(used: IntArray, areas: FloatArray) -> IntArray:

@@ -6,9 +6,9 @@ import numpy as np
 
 from meshmark.coding.chance import believable
 from meshmark.coding.codec import Codec
+from meshmark.ownership.carriers.reading import Reading
 from meshmark.ownership.decoding import Found
 from meshmark.ownership.extraction_result import Evidence, Extraction
-from meshmark.ownership.search.reading import Reading
 
 __all__ = ["extraction_of"]
 

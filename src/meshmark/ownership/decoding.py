@@ -10,8 +10,8 @@ import numpy as np
 from meshmark.coding.codec import CHECK_WORD_LIMIT, Codec
 from meshmark.coding.polar import Bits
 from meshmark.mesh import FloatArray
+from meshmark.ownership.carriers.reading import Reading
 from meshmark.ownership.parameters import CREDIBLE_LOG10, PRESENT_LOG10, PROVEN_LOG10
-from meshmark.ownership.search.reading import Reading
 
 __all__ = ["Found", "Listed", "decoded", "lock_bound"]
 

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from meshmark.coding.polar import Bits
 from meshmark.errors import CapacityError
+from meshmark.geometry.areas import longest_edges
 from meshmark.geometry.surface import Surface
 from meshmark.geometry.surface_of import surface_of_moved
 from meshmark.ownership.carriers.lattice import Lattice
@@ -20,6 +20,7 @@ from meshmark.ownership.parameters import (
     CARRIER_ENOUGH,
     CARRIER_MINIMUM,
     HOPELESS_BITS,
+    LONG_EDGES,
     SPACING_TRIES,
     STEP_TRIES,
     STEPS,
@@ -30,7 +31,7 @@ from meshmark.ownership.parameters import (
 from meshmark.ownership.search.search import Search
 from meshmark.ownership.search.trials import TrialCounter
 from meshmark.ownership.shaping import Shaping
-from meshmark.ownership.shortfall import why_not
+from meshmark.ownership.shortfall import too_long, why_not
 from meshmark.ownership.vertex_displacement import displacement_rms
 
 __all__ = ["embed_in_cells"]
@@ -44,8 +45,13 @@ def embed_in_cells(task: EmbeddingTask) -> Owned:
 
     Raises `CapacityError` that says what the cells lack.
     """
+    frame = task.surface.frame
+    patch = preferred_spacings(frame.area)[0] * frame.scale
+    longest = longest_edges(task.surface.points, task.surface.faces) / patch
+    if longest > LONG_EDGES[1]:
+        raise CapacityError(too_long(longest, task.strength))
     nearest: tuple[tuple[bool, int], str] | None = None
-    for shaping in _shapings(task, task.bits):
+    for shaping in _shapings(task, one=longest > LONG_EDGES[0]):
         carriers = shaping.carriers if shaping.capacity >= CARRIER_MINIMUM else shaping.capacity
         tried = carriers >= CARRIER_MINIMUM and shaping.bits >= HOPELESS_BITS
         if nearest is None or (tried, carriers) > nearest[0]:
@@ -58,18 +64,25 @@ def embed_in_cells(task: EmbeddingTask) -> Owned:
     )
 
 
-def _shapings(task: EmbeddingTask, bits: Bits) -> Iterator[Shaping]:
-    """Yield the first few spacings with carriers enough, then those passed over, most carriers first."""
+def _shapings(task: EmbeddingTask, *, one: bool) -> Iterator[Shaping]:
+    """Yield the first few spacings with carriers enough, then those passed over, most carriers first.
+
+    one: the first only.
+    """
     surface = task.surface
     spacings = preferred_spacings(surface.frame.area)
     rich, scarce = 0, []
     for spacing in spacings:
-        shaping = Shaping(surface, Lattice.keyed(task.key, spacing, task.label), bits, task.seen, task.share)
+        shaping = Shaping(
+            surface, Lattice.keyed(task.key, spacing, task.label), task.bits, task.seen, task.share
+        )
         if shaping.capacity < CARRIER_ENOUGH:
             scarce.append(shaping)
             continue
         yield shaping
         rich += 1
+        if one:
+            return
         if rich == SPACING_TRIES:
             break
     yield from sorted(scarce, key=lambda shaping: -shaping.capacity)

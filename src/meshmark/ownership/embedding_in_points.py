@@ -25,8 +25,8 @@ __all__ = ["embed_in_points"]
 TRIES = 16
 # The next step after one that did not do is smaller by this factor.
 SMALLER = 0.75
-# A mark bears noise in proportion to its step, and about to this power of the number of code bits that it has beyond
-# those needed.
+# A mark bears noise in proportion to its step, and about to this power of the number of code bits beyond those
+# needed.
 NEEDED, REDUNDANCY = 72, 0.4
 # What that is worth in each mode: the less of the surface leaves its planes the better.
 WORTH = (1.0, 0.9, 0.75, 0.6)

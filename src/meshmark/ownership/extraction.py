@@ -13,10 +13,10 @@ from meshmark.coding.keys import Key
 from meshmark.errors import InputError
 from meshmark.mesh import Mesh
 from meshmark.ownership.answer import extraction_of
+from meshmark.ownership.carriers.reading import Reading
 from meshmark.ownership.decoding import Found, Listed, decoded, lock_bound
 from meshmark.ownership.extraction_result import Extraction
 from meshmark.ownership.parameters import PRESENT_LOG10
-from meshmark.ownership.search.reading import Reading
 from meshmark.ownership.search.search import EFFORTS, Search
 from meshmark.ownership.search.strategies import STRATEGIES
 from meshmark.ownership.search.trials import OutOfTimeError, TrialCounter

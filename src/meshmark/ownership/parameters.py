@@ -36,7 +36,9 @@ __all__ = [
     "LOCK_RADIUS",
     "LOCK_STEPS",
     "LOCK_TURNS",
+    "LONGEST_EDGES",
     "LONGEST_SAMPLE",
+    "LONG_EDGES",
     "LOST_ERROR",
     "MOMENT_GAP",
     "NEEDED_BITS",
@@ -84,6 +86,12 @@ SPACING_ORDER: Final = (0, 1, 2, 3, -1, 4, 5, -2)
 
 # Number of spacings with carriers enough that an embedding tries, before those with fewer carriers.
 SPACING_TRIES: Final = 3
+
+# Where the triangles are longer than this, in spacings, mean over the surface, an embedding tries one spacing only,
+# or no cells at all: of 36 small training models none above 3.7 carried an id in its cells, and above 2.5 points
+# bear as much (decision 0024). Above the last, cells are read as they stand only: no simplification goes so far.
+LONG_EDGES: Final = (1.5, 2.5)
+LONGEST_EDGES: Final = 5.0
 
 # Quantisation steps in spacings. Above the largest, bumps become visible and the solve nonlinear.
 STEPS: Final = 0.24 * 2.0 ** (-np.arange(13) / 2.0)

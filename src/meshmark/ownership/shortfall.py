@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from meshmark.geometry.areas import face_areas
+from meshmark.geometry.areas import face_areas, longest_edges
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.ownership.carriers.cells import PLANE_MASS, Cells
 from meshmark.ownership.parameters import CARRIER_MINIMUM, EXTRACT_SELECTION
 
-__all__ = ["Surroundings", "surroundings_of", "why_not"]
+__all__ = ["Surroundings", "surroundings_of", "too_long", "why_not"]
 
 _SUBDIVIDE = "subdividing it once or twice first helps"
 _STRONGER = {"subtle": "standard", "standard": "strong"}
@@ -44,15 +44,19 @@ def surroundings_of(cells: Cells, placed: FloatArray, faces: IntArray) -> Surrou
     counted = folded | (np.abs(cells.offset) < offset)
     total = max(float(surface[counted].sum()), np.finfo(float).tiny)
     scattered = counted & ~folded & (cells.mass <= mass)
-    corners = placed[faces]
-    edges = np.sqrt(((corners - np.roll(corners, 1, axis=1)) ** 2).sum(axis=2)).max(axis=1)
     areas = face_areas(placed, faces)
     return Surroundings(
         folded=float(surface[folded].sum()) / total,
         scattered=float(surface[scattered].sum()) / total,
         doubled=_mean(_repeated(faces).astype(np.float64), areas),
-        longest=_mean(edges, areas),
+        longest=longest_edges(placed, faces),
     )
+
+
+def too_long(longest: float, strength: str) -> str:
+    """Return the sentence for a surface whose triangles are so long that its cells cannot be set."""
+    text = f"the model cannot carry 64 bits at strength {strength} in even patches of its surface"
+    return f"{text}: its triangles are {longest:.1f} times as long as a patch is wide"
 
 
 def _repeated(faces: IntArray) -> NDArray[np.bool_]:

@@ -14,11 +14,11 @@ from meshmark.mesh import FloatArray, IntArray
 from meshmark.ownership.carriers.lattice import CellKeys
 from meshmark.ownership.carriers.lock import LockSearch
 from meshmark.ownership.carriers.pose import Pose
-from meshmark.ownership.points.carried import Carried
+from meshmark.ownership.carriers.reading import Reading
+from meshmark.ownership.points.carried_coordinates import Carried
 from meshmark.ownership.points.parameters import MODES, SHARES, SIDE, STEPS
 from meshmark.ownership.points.point_lattice import PointKeys, PointLattice, distinct_cubes
 from meshmark.ownership.points.point_shaping import Choice
-from meshmark.ownership.search.reading import Reading
 
 __all__ = ["CHOICES", "Framed", "PointLock"]
 

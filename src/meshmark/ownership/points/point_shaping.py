@@ -16,12 +16,12 @@ from meshmark.geometry.joints import joints_of
 from meshmark.geometry.surface import Surface
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.ownership.points.balance import balanced
-from meshmark.ownership.points.carried import Carried
+from meshmark.ownership.points.carried_coordinates import Carried
 from meshmark.ownership.points.coordinates import held
 from meshmark.ownership.points.frame_moments import MOMENTS, frame_moments
 from meshmark.ownership.points.parameters import KEPT_SHARE, LIFTED, MODES, MOMENTS_APART, SLIDING
 from meshmark.ownership.points.point_lattice import PointKeys, PointLattice
-from meshmark.ownership.points.targets import nearest_places
+from meshmark.ownership.points.targets import Quantiser, nearest_places
 
 __all__ = ["Choice", "PointShaping", "carrying"]
 
@@ -122,6 +122,7 @@ class PointShaping:
         """Return the points (p, 3), in scene units, moved as chosen; None where faces would fold over."""
         surface, start, joints = self._surface, self._stretched, self._joints
         before = _normals(start, surface.faces)
+        quantiser = Quantiser(lattice=self._lattice, bits=self._bits, step=choice.step)
         frozen = (joints.diagonal() != 1.0) | (np.diff(joints.indptr) != 1)
         yields = np.minimum(self._start.stars.height / self._largest, 1.0) ** 2
         points, motion = start, np.zeros_like(start)
@@ -131,7 +132,7 @@ class PointShaping:
             draw = self._lattice.keys(self._lattice.cubes(points)).draw
             carries = carrying(carried, draw, choice) & ~frozen[:, None]
             follow, _ = held(ease, carries)
-            motion, done = nearest_places(start, follow, self._lattice, self._bits, choice.step)
+            motion, done = nearest_places(start, follow, quantiser)
             done &= carries.any(axis=1) & (np.linalg.norm(motion, axis=1) <= self._largest)
             motion[~done] = 0.0
             carries &= done[:, None]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
@@ -12,7 +13,7 @@ from meshmark.mesh import FloatArray, IntArray
 from meshmark.ownership.points.parameters import GUARD, SIDE
 from meshmark.ownership.points.point_lattice import PointLattice
 
-__all__ = ["nearest_places"]
+__all__ = ["Quantiser", "nearest_places"]
 
 # Steps beside the nearest point that are tried for each coordinate, where that one lies outside of the cube.
 BESIDE = np.array(list(product((0, -1, 1), repeat=3)))
@@ -20,8 +21,17 @@ BESIDE = np.array(list(product((0, -1, 1), repeat=3)))
 ACROSS = np.array(list(product((0, 1), repeat=3)))
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Quantiser:
+    """Where coordinates go: to the bits of a code word, as the lattice says; step: in canonical units."""
+
+    lattice: PointLattice
+    bits: Bits
+    step: float
+
+
 def nearest_places(
-    points: FloatArray, follow: FloatArray, lattice: PointLattice, bits: Bits, step: float
+    points: FloatArray, follow: FloatArray, quantiser: Quantiser
 ) -> tuple[FloatArray, NDArray[np.bool_]]:
     """Return the motions (n, 3) that set the carried coordinates of points, and which points (n,) could be set.
 
@@ -34,14 +44,11 @@ def nearest_places(
         Canonical.
     follow : (n, 3, 3) float array
         Motion of a point for a change of its coordinates, as of `held`.
-    lattice : PointLattice
-    bits : (code length,) int array
-    step : float
-        In units of the canonical scale.
+    quantiser : Quantiser
     """
     motion = np.zeros_like(points)
     done = np.zeros(len(points), bool)
-    places = lattice.places(points)
+    places = quantiser.lattice.places(points)
     own = np.floor(places).astype(np.int64)
     beyond = np.where(places - own < 0.5, -1, 1)
     for across in ACROSS:
@@ -49,18 +56,19 @@ def nearest_places(
         if not len(rows):
             break
         cubes = own[rows] + across * beyond[rows]
-        found, fits = _within(points[rows], follow[rows], cubes, lattice, bits, step)
+        found, fits = _within(points[rows], follow[rows], cubes, quantiser)
         motion[rows[fits]] = found[fits]
         done[rows[fits]] = True
     return motion, done
 
 
 def _within(
-    points: FloatArray, follow: FloatArray, cubes: IntArray, lattice: PointLattice, bits: Bits, step: float
+    points: FloatArray, follow: FloatArray, cubes: IntArray, quantiser: Quantiser
 ) -> tuple[FloatArray, NDArray[np.bool_]]:
     """Return the shortest motions (n, 3) that end well inside these cubes (n, 3), and for which there is one."""
+    lattice, step = quantiser.lattice, quantiser.step
     keys = lattice.keys(cubes)
-    off = points / step - keys.dither - bits[keys.code_index] / 2.0
+    off = points / step - keys.dither - quantiser.bits[keys.code_index] / 2.0
     change = step * ((np.round(off) - off)[:, None] + BESIDE)  # (n, 27, 3)
     motions = change @ follow.transpose(0, 2, 1)
     ends = lattice.places((points[:, None] + motions).reshape(-1, 3)).reshape(motions.shape) - cubes[:, None]

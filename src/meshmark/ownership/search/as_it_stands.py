@@ -11,6 +11,7 @@ from meshmark.geometry.frame import frame_alternatives
 from meshmark.geometry.sampling import plan_samples
 from meshmark.ownership.carriers.pose import Pose
 from meshmark.ownership.carriers.quantisation import lock_score
+from meshmark.ownership.carriers.reading import Reading
 from meshmark.ownership.parameters import (
     CARRIER_MOST,
     CARRIER_PLENTY,
@@ -21,7 +22,6 @@ from meshmark.ownership.parameters import (
     SURELY_SKEW,
 )
 from meshmark.ownership.search.measurement import CellReading, Measurement, read_cells
-from meshmark.ownership.search.reading import Reading
 from meshmark.ownership.search.search import Search
 
 __all__ = ["readings_as_it_stands"]

@@ -7,11 +7,11 @@ from collections.abc import Iterable, Iterator, Sequence
 from meshmark.certificate.certificate import Certificate
 from meshmark.geometry.frame import Frame, frame_alternatives
 from meshmark.ownership.carriers.lattice_label import Label
+from meshmark.ownership.carriers.reading import Reading
 from meshmark.ownership.parameters import SURELY_SKEW
-from meshmark.ownership.points.carried import Carried
+from meshmark.ownership.points.carried_coordinates import Carried
 from meshmark.ownership.points.point_lattice import PointLattice
 from meshmark.ownership.points.point_reading import CHOICES, Framed, PointLock
-from meshmark.ownership.search.reading import Reading
 from meshmark.ownership.search.search import Search
 from meshmark.ownership.search.starting_frames import starting_frames
 from meshmark.scene.surfaces import marked_surface

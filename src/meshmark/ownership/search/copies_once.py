@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
+from meshmark.ownership.carriers.reading import Reading
 from meshmark.ownership.search.as_it_stands import readings_as_it_stands
 from meshmark.ownership.search.at_points import readings_of_points
-from meshmark.ownership.search.reading import Reading
 from meshmark.ownership.search.search import Search
 
 __all__ = ["readings_of_copies"]

@@ -19,6 +19,7 @@ from meshmark.mesh import FloatArray
 from meshmark.ownership.carriers.grown_lock import MOST_FIRST, neighbourhoods
 from meshmark.ownership.carriers.lattice import Lattice
 from meshmark.ownership.carriers.pose import Pose, pose_gradient
+from meshmark.ownership.carriers.reading import Reading
 from meshmark.ownership.parameters import (
     CARRIER_MOST,
     CARRIER_READABLE,
@@ -36,7 +37,6 @@ from meshmark.ownership.parameters import (
 )
 from meshmark.ownership.search.locked import grown_locks, relocked
 from meshmark.ownership.search.measurement import CellReading, Measurement, read_cells
-from meshmark.ownership.search.reading import Reading
 from meshmark.ownership.search.search import Search
 from meshmark.ownership.search.shapes import Response
 

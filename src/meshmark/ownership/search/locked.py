@@ -15,6 +15,7 @@ from meshmark.mesh import FloatArray, IntArray
 from meshmark.ownership.carriers.grown_lock import grown, neighbourhoods
 from meshmark.ownership.carriers.lock import LockSearch
 from meshmark.ownership.carriers.quantisation import log10_lock_chance
+from meshmark.ownership.carriers.reading import Reading
 from meshmark.ownership.parameters import (
     CARRIER_MOST,
     CARRIER_READABLE,
@@ -26,7 +27,6 @@ from meshmark.ownership.parameters import (
     TYPICAL_STEP,
 )
 from meshmark.ownership.search.measurement import CellReading, Measurement
-from meshmark.ownership.search.reading import Reading
 from meshmark.ownership.search.shapes import Hypothesis, Response, Shapes
 
 __all__ = ["grown_locks", "grown_readings", "locked_readings", "relocked"]

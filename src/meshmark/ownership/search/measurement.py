@@ -18,10 +18,10 @@ from meshmark.ownership.carriers.quantisation import (
     lock_score,
     log10_lock_chance,
 )
+from meshmark.ownership.carriers.reading import Reading
 from meshmark.ownership.carriers.selection import select_cells
 from meshmark.ownership.observation import Observation
 from meshmark.ownership.parameters import EXTRACT_SELECTION
-from meshmark.ownership.search.reading import Reading
 
 if TYPE_CHECKING:
     from meshmark.ownership.carriers.relief import Relief

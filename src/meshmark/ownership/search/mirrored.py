@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from dataclasses import replace
 from itertools import chain
 
+from meshmark.ownership.carriers.reading import Reading
 from meshmark.ownership.search.as_it_stands import readings_as_it_stands
 from meshmark.ownership.search.at_points import readings_of_points
-from meshmark.ownership.search.reading import Reading
 from meshmark.ownership.search.search import Search
 
 __all__ = ["mirrored_readings"]

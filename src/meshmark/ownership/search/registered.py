@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 from meshmark.certificate.certificate import Certificate
 from meshmark.ownership.carriers.lattice_label import Label
+from meshmark.ownership.carriers.reading import Reading
 from meshmark.ownership.parameters import LOCK_STEPS, ORIGINAL_SPACINGS, preferred_spacings
 from meshmark.ownership.search.locked import grown_readings, locked_readings
-from meshmark.ownership.search.reading import Reading
 from meshmark.ownership.search.restoration import restorations, stretched
 from meshmark.ownership.search.search import Search
 from meshmark.ownership.search.shapes import Hypothesis, Shapes

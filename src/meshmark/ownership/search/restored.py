@@ -7,6 +7,7 @@ from itertools import islice, product
 
 from meshmark.geometry.frame import frame_alternatives
 from meshmark.ownership.carriers.lattice_label import Label
+from meshmark.ownership.carriers.reading import Reading
 from meshmark.ownership.parameters import (
     CARRIER_ENOUGH,
     LOCK_STEPS,
@@ -15,7 +16,6 @@ from meshmark.ownership.parameters import (
     preferred_spacings,
 )
 from meshmark.ownership.search.locked import locked_readings
-from meshmark.ownership.search.reading import Reading
 from meshmark.ownership.search.restoration import Restoration, restorations
 from meshmark.ownership.search.search import Search
 from meshmark.ownership.search.shapes import Hypothesis, Shapes

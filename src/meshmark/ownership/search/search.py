@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from functools import cached_property
 
 from meshmark.certificate.certificate import Certificate
 from meshmark.coding.keys import Key
+from meshmark.geometry.areas import longest_edges
 from meshmark.geometry.surface import Surface
 from meshmark.mesh import FloatArray, Mesh
 from meshmark.ownership.carriers.lattice import Lattice
 from meshmark.ownership.carriers.lattice_label import Label, labels
-from meshmark.ownership.parameters import LABELS, preferred_spacings
+from meshmark.ownership.parameters import LABELS, LONGEST_EDGES, preferred_spacings
 from meshmark.ownership.search.trials import TrialCounter
 
 __all__ = ["EFFORTS", "Search"]
@@ -52,6 +54,15 @@ class Search:
     def is_coarse(self) -> bool:
         """Return whether the mesh is so coarse that its mark may lie in what restorations filter off."""
         return len(self.surface.points) <= COARSE
+
+    @cached_property
+    def has_cells(self) -> bool:
+        """Return whether the surface may carry a mark in cells, even after a strong simplification."""
+        if isinstance(self.reference, Certificate) and self.reference.at_points:
+            return False
+        surface = self.surface
+        spacing = preferred_spacings(surface.frame.area)[0] * surface.frame.scale
+        return longest_edges(surface.points, surface.faces) <= LONGEST_EDGES * spacing
 
     def labels(self, invariants: FloatArray) -> tuple[Label, ...]:
         """Return the labels of the lattices that a shape of these invariants may carry, likeliest first."""

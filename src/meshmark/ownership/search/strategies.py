@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from meshmark.certificate.certificate import Certificate
 from meshmark.late import late_function
+from meshmark.ownership.carriers.reading import Reading
 from meshmark.ownership.parameters import DECODE_LOG10
-from meshmark.ownership.search.reading import Reading
 from meshmark.ownership.search.search import Search
 
 __all__ = ["STRATEGIES", "Strategy"]
@@ -46,7 +46,8 @@ def _may_be_in_cells(search: Search) -> bool:
 
 
 def _undoes_damage(search: Search) -> bool:
-    return search.effort != "plain"
+    """Return whether damage to cells is to be undone; marks at points bear none that could be."""
+    return search.effort != "plain" and search.has_cells
 
 
 def _is_coarse(search: Search) -> bool:

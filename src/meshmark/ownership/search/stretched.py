@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from meshmark.ownership.carriers.reading import Reading
 from meshmark.ownership.parameters import LARGE_STEPS, LOCK_STEPS
 from meshmark.ownership.search.locked import grown_readings
-from meshmark.ownership.search.reading import Reading
 from meshmark.ownership.search.restoration import stretched
 from meshmark.ownership.search.restored import hypotheses
 from meshmark.ownership.search.search import Search

@@ -24,6 +24,7 @@ from meshmark.mesh import FloatArray
 from meshmark.ownership.carriers.lattice import Lattice
 from meshmark.ownership.carriers.pose import Pose
 from meshmark.ownership.carriers.quantisation import lock_score, log10_lock_chance
+from meshmark.ownership.carriers.reading import Reading
 from meshmark.ownership.parameters import (
     CARRIER_PLENTY,
     CARRIER_READABLE,
@@ -37,7 +38,6 @@ from meshmark.ownership.parameters import (
     SURELY_SKEW,
 )
 from meshmark.ownership.search.measurement import CellReading, Measurement, read_cells
-from meshmark.ownership.search.reading import Reading
 from meshmark.ownership.search.restoration import Shape
 from meshmark.ownership.search.search import Search
 from meshmark.ownership.search.shapes import Shapes
