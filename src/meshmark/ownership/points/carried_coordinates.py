@@ -52,6 +52,10 @@ class Carried:
         before._usable = self._usable & ~added
         return before
 
+    def in_frame(self, frame: Frame) -> FloatArray:
+        """Return the points (p, 3) in another turn of the frame."""
+        return np.asarray(self._points @ (self.frame.axes.T @ frame.axes))
+
     def at(self, step: float) -> NDArray[np.bool_]:
         """Return (p,): the points whose stars have room for a step in canonical units."""
         return np.asarray(self._usable & (self._height > ROOM * step))

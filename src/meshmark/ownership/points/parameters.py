@@ -51,4 +51,4 @@ LARGEST: Final = {"subtle": 5e-4, "standard": 1.5e-3, "strong": 4e-3}
 # A face whose normal turns by more than this cosine was folded over: its points stay where they are.
 LIFTED: Final = 0.7
 # Second moments, shares of their sum, are kept this far apart, or this many budgets, whichever is less.
-MOMENTS_APART: Final = (0.001, 1.25)
+MOMENTS_APART: Final = (0.0015, 1.9)

@@ -10,6 +10,7 @@ from meshmark.ownership.carriers.lattice_label import Label
 from meshmark.ownership.carriers.reading import Reading
 from meshmark.ownership.parameters import SURELY_SKEW
 from meshmark.ownership.points.carried_coordinates import Carried
+from meshmark.ownership.points.frame_sweep import sweep
 from meshmark.ownership.points.point_lattice import PointLattice
 from meshmark.ownership.points.point_reading import CHOICES, Framed, PointLock
 from meshmark.ownership.search.search import Search
@@ -18,8 +19,8 @@ from meshmark.scene.surfaces import marked_surface
 
 __all__ = ["readings_of_points", "registered_readings_of_points"]
 
-# Choices that are decoded, of all frames.
-DECODED = 4
+# Choices that are decoded, of all frames, and of those that a sweep finds.
+DECODED, SWEPT = 4, 4
 
 
 def readings_of_points(search: Search) -> Iterator[Reading]:
@@ -28,9 +29,10 @@ def readings_of_points(search: Search) -> Iterator[Reading]:
     turns = list(frame_alternatives(surface.frame, True, SURELY_SKEW))
     labels = search.labels(surface.invariants)
     carried = Carried(surface, surface.frame)
-    yield from _readings(search, carried, turns, labels)
-    if (before := carried.before_subdivision()) is not None:
-        yield from _readings(search, before, turns, labels)
+    before = carried.before_subdivision()
+    for each in (carried,) if before is None else (carried, before):
+        yield from _readings(search, each, turns, labels)
+        yield from _swept_readings(search, each, turns, labels)
 
 
 def registered_readings_of_points(search: Search) -> Iterator[Reading]:
@@ -45,6 +47,27 @@ def registered_readings_of_points(search: Search) -> Iterator[Reading]:
     for frame in starting_frames(search.surface, reference):
         carried = Carried(search.surface, frame)
         yield from _readings(search, carried, (frame,), (label,))
+
+
+def _swept_readings(
+    search: Search, carried: Carried, turns: Sequence[Frame], labels: Iterable[Label]
+) -> Iterator[Reading]:
+    """Yield readings in the best of many frames that turn the axes of nearly equal moments."""
+    charge = 0.0
+    swept: list[tuple[float, Frame, PointLattice]] = []
+    for label in labels:
+        lattice = PointLattice.keyed(search.key, label)
+        for turned in turns:
+            angles = sweep(carried, turned, lattice)
+            if len(angles):
+                charge += search.trials.charge() * CHOICES * len(angles)
+            swept += [(score, frame, lattice) for score, frame in angles]
+    swept.sort(key=lambda entry: -entry[0])
+    for _, frame, lattice in swept[:SWEPT]:
+        framed = Framed.of(search.surface, carried, frame, lattice)
+        lock = min(framed.locks(), key=lambda each: each.log10_chance, default=None)
+        if lock is not None:
+            yield from lock.readings(charge, frame.moments)
 
 
 def _readings(

@@ -1,0 +1,244 @@
+"""What marks of Princeton models survive, how visible they are, and what marking and reading cost, by size class.
+
+python -m claims.coarse ROWS.csv [--split test] [--limit N] [--minutes M] [--least 40] [--tables]
+
+Each model is marked with an id alone, with a key of its own, in an order in which any first few are spread over
+sizes. A row is written as soon as its model is done; run it again to continue an interrupted run. Models with fewer
+than `--least` welded points are left out. At the end, or at once with --tables, shares of exact ids are printed by
+size class, for all changes of `CHANGES`; wrong ids, and "present" where there is no mark, are counted besides.
+
+Figures of docs/results/coarse.md.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import hashlib
+import sys
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from time import monotonic, process_time
+
+import numpy as np
+
+from claims.models import DATA, SIZE_CLASSES, load, size_class
+from claims.princeton import models_of, read_rows
+from meshmark.attacks import parse_chain
+from meshmark.coding.keys import Key
+from meshmark.errors import CapacityError, MeshmarkError
+from meshmark.geometry.areas import area_vectors
+from meshmark.geometry.surface import Surface
+from meshmark.geometry.surface_of import surface_of
+from meshmark.geometry.visibility import VisibleChange
+from meshmark.marking import embed, extract
+from meshmark.mesh import FloatArray, Mesh
+
+CHANGES = (
+    "similarity:1+shuffle:1+float32:1",
+    "similarity:1+unweld:1+file_stl:1",
+    "file_obj:1",
+    "file_glb:1",
+    "six digits",
+    "other diagonals",
+    "midpoint:1",
+    "similarity:1+quantisation:16",
+    "similarity:1+quantisation:14",
+    "similarity:1+quantisation:12",
+    "similarity:1+quantisation:11",
+    "noise:0.0002+similarity:1",
+    "noise:0.0005+similarity:1",
+    "noise:0.001+similarity:1",
+)
+"""Chains of attacks, and two that are made here."""
+FIGURES = ("points", "carriers", "rms", "largest", "visible", "off_plane", "embed_seconds", "extract_seconds")
+COLUMNS = ("model", "size_class", "outcome", *FIGURES, *CHANGES, "unmarked", "wrong key", "seconds")
+# Faces whose normals differ by less (1 - cosine) lie in one plane.
+PLANE = 1e-6
+
+
+def row_of(model: str) -> dict[str, str]:
+    """Return the row of one model."""
+    start = process_time()
+    mesh = load(DATA / model)
+    digest = hashlib.sha256(model.encode()).digest()
+    key, identity = Key(digest), int.from_bytes(digest[:8], "little")
+    row = {"model": model, "size_class": size_class(mesh)}
+    begun = process_time()
+    try:
+        made = embed(mesh, key, id=identity, layers="ownership")
+    except CapacityError as error:
+        return row | {"outcome": f"refused: {error}", "seconds": f"{process_time() - start:.2f}"}
+    row["embed_seconds"] = f"{process_time() - begun:.3f}"
+    surface = surface_of(mesh)
+    after = made.mesh.vertices[surface.vertex_of_point]
+    begun = process_time()
+    row["outcome"] = _answer(made.mesh, key, identity)
+    row["extract_seconds"] = f"{process_time() - begun:.3f}"
+    row |= {
+        "points": str(int(made.ownership is not None and made.ownership.at_points)),
+        "carriers": str(made.carriers),
+        "rms": f"{100 * made.rms_over_diagonal:.5f}",
+        "largest": f"{100 * made.max_over_diagonal:.5f}",
+        "visible": f"{100 * VisibleChange(surface.points, surface.faces).of(after).share:.2f}",
+        "off_plane": f"{100 * off_plane(surface, after):.5f}",
+    }
+    for change in CHANGES:
+        random = np.random.default_rng(
+            int.from_bytes(hashlib.sha256(f"{model} {change}".encode()).digest()[:8])
+        )
+        try:
+            row[change] = _answer(changed(change, made.mesh, surface, random), key, identity)
+        except MeshmarkError as error:
+            row[change] = f"refused: {error}"
+    row["unmarked"] = _answer(mesh, key, identity)
+    row["wrong key"] = _answer(made.mesh, Key(hashlib.sha256(digest).digest()), identity)
+    return row | {"seconds": f"{process_time() - start:.2f}"}
+
+
+def _answer(mesh: Mesh, key: Key, identity: int) -> str:
+    """Return "id", "wrong id", or what `extract` says instead."""
+    found = extract(mesh, key)
+    if found.id is None:
+        return found.presence
+    return "id" if found.id == identity else "wrong id"
+
+
+def changed(change: str, mesh: Mesh, surface: Surface, random: np.random.Generator) -> Mesh:
+    """Return a marked mesh after a change; surface: of the unmarked one."""
+    if change == "six digits":
+        return Mesh(np.array([float(f"{x:.6g}") for x in mesh.vertices.ravel()]).reshape(-1, 3), mesh.faces)
+    if change == "other diagonals":
+        marked = mesh.vertices[surface.vertex_of_point]
+        return Mesh(marked, other_diagonals(surface, random))
+    return parse_chain(change)(mesh, random)
+
+
+def other_diagonals(surface: Surface, random: np.random.Generator) -> np.ndarray:
+    """Return faces with the other diagonal in about half of the plane convex quadrilaterals of two faces."""
+    faces, points = surface.faces.copy(), surface.points
+    normals = _normals(points, faces)
+    owner: dict[tuple[int, int], int] = {}
+    free = np.ones(len(faces), bool)
+    for face in random.permutation(len(faces)):
+        for corner in range(3):
+            a, b, c = (int(faces[face, (corner + turn) % 3]) for turn in range(3))
+            other = owner.get((b, a))
+            if other is None:
+                owner[a, b] = int(face)
+                continue
+            if not (free[face] and free[other]) or 1.0 - normals[face] @ normals[other] > PLANE:
+                continue
+            d = next(int(point) for point in surface.faces[other] if point not in (a, b))
+            pair = np.array([[c, d, b], [d, c, a]])
+            if c == d or (_normals(points, pair) @ normals[face] < 0.999).any() or random.random() < 0.5:
+                continue
+            faces[face], faces[other] = pair
+            free[face] = free[other] = False
+            break
+    return faces
+
+
+def off_plane(surface: Surface, after: FloatArray) -> float:
+    """Return the RMS distance, over the diagonal, of points inside planes from these planes, after marking.
+
+    Points inside a plane are those all of whose faces lie in one before marking.
+    """
+    normals = _normals(surface.points, surface.faces)
+    summed = np.zeros_like(surface.points)
+    for corner in range(3):
+        np.add.at(summed, surface.faces[:, corner], normals)
+    count = np.bincount(surface.faces.ravel(), minlength=len(summed))
+    length = np.linalg.norm(summed, axis=1)
+    inside = (count > 0) & (length > (1.0 - PLANE) * count)
+    moved = after - surface.points
+    off = np.einsum("ij,ij->i", moved, summed / np.maximum(length, 1e-300)[:, None])[inside]
+    return float(np.sqrt(np.mean(off**2))) / surface.diagonal if inside.any() else 0.0
+
+
+def _normals(points: FloatArray, faces: np.ndarray) -> FloatArray:
+    vectors = area_vectors(points, faces)
+    return np.asarray(vectors / np.maximum(np.linalg.norm(vectors, axis=1), 1e-300)[:, None])
+
+
+def tables(rows: Sequence[dict[str, str]]) -> str:
+    """Return shares of exact ids, and figures, by size class, as Markdown."""
+    names = [name for _, name in SIZE_CLASSES]
+    parts = {name: [row for row in rows if row["size_class"] == name] for name in names} | {"all": list(rows)}
+    lines = [f"| | {' | '.join(parts)} |", f"|---|{'---|' * len(parts)}"]
+    marked = {name: [row for row in part if row["embed_seconds"]] for name, part in parts.items()}
+
+    def line(title: str, values: Iterable[str]) -> None:
+        lines.append(f"| {title} | {' | '.join(values)} |")
+
+    line("models", (str(len(part)) for part in parts.values()))
+    line("marked", (str(len(part)) for part in marked.values()))
+    line("of these at points", (str(sum(row["points"] == "1" for row in part)) for part in marked.values()))
+    for title in ("outcome", *CHANGES):
+        shown = "as written" if title == "outcome" else title
+        line(shown, (_share(part, title) for part in marked.values()))
+    for title, words in (("visible", "visible share, median / 95th percentile, %"),
+                         ("off_plane", "points inside planes off them, RMS, worst, % of the diagonal"),
+                         ("embed_seconds", "embedding, median / 95th percentile, s"),
+                         ("extract_seconds", "extraction as written, median / 95th percentile, s")):  # fmt: skip
+        line(words, (_spread(part, title, worst=title == "off_plane") for part in marked.values()))
+    everything = [row[title] for row in rows for title in ("outcome", *CHANGES, "unmarked", "wrong key")]
+    nothing = [row[title] for row in rows for title in ("unmarked", "wrong key") if row[title]]
+    lines += [
+        "",
+        f"Wrong ids: {everything.count('wrong id')}. Present without a mark: "
+        f"{sum(each not in ('absent', 'inconclusive') for each in nothing)} of {len(nothing)}.",
+    ]
+    return "\n".join(lines)
+
+
+def _share(rows: Sequence[dict[str, str]], title: str) -> str:
+    tried = [row[title] for row in rows if row[title] and not row[title].startswith("refused")]
+    return f"{sum(each == 'id' for each in tried)} of {len(tried)}" if tried else "-"
+
+
+def _spread(rows: Sequence[dict[str, str]], title: str, *, worst: bool) -> str:
+    values = [float(row[title]) for row in rows]
+    if not values:
+        return "-"
+    if worst:
+        return f"{max(values):.4f}"
+    return f"{np.median(values):.2f} / {np.quantile(values, 0.95):.2f}"
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Measure what is left, and print the tables."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("rows", type=Path)
+    parser.add_argument("--split", default="test", choices=["train", "test"])
+    parser.add_argument("--limit", type=int)
+    parser.add_argument("--minutes", type=float, default=float("inf"))
+    parser.add_argument("--least", type=int, default=40)
+    parser.add_argument("--tables", action="store_true")
+    options = parser.parse_args(arguments)
+    known = {row["model"] for row in read_rows(options.rows)}
+    end = monotonic() + 60.0 * options.minutes
+    models = list(models_of([options.split]))[: options.limit]
+    fresh = not options.rows.exists() or not options.rows.stat().st_size
+    with options.rows.open("a", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, COLUMNS)
+        if fresh:
+            writer.writeheader()
+        for model in models if not options.tables else ():
+            if model in known or monotonic() > end:
+                continue
+            try:
+                if len(surface_of(load(DATA / model)).points) < options.least:
+                    continue
+                writer.writerow(row_of(model))
+            except MeshmarkError as error:
+                print(f"{model}: {error}", file=sys.stderr)
+            file.flush()
+    print(tables(read_rows(options.rows)))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

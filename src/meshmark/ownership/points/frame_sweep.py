@@ -1,0 +1,64 @@
+"""Frames of a surface with nearly equal moments: its axes turn easily, and many turns are looked at."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from meshmark.geometry.frame import Frame
+from meshmark.mesh import FloatArray
+from meshmark.ownership.carriers.pose import rotation_of
+from meshmark.ownership.points.carried_coordinates import Carried
+from meshmark.ownership.points.parameters import STEPS
+from meshmark.ownership.points.point_lattice import PointLattice
+
+__all__ = ["sweep"]
+
+# Moments that differ by less than this share of their sum let the axes turn: by so much, in radians, over that gap,
+# and at most.
+ALIKE, TURNS, MOST = 0.02, 3e-5, 0.03
+# Turns are this far apart, in radians, and judged by so many points, at steps of at least this index.
+APART, JUDGES, COARSE = 6e-4, 250, 6
+
+
+def sweep(carried: Carried, frame: Frame, lattice: PointLattice) -> list[tuple[float, Frame]]:
+    """Return frames about `frame`, turned about the axis that stands out, with how well points lock there.
+
+    Empty where the moments are apart, or nothing has room for a step. A score is of the best step, in standard
+    deviations of chance.
+
+    Parameters
+    ----------
+    carried : Carried
+        Of a surface in a frame with these moments.
+    frame : Frame
+        One of the alternatives of that frame.
+    lattice : PointLattice
+    """
+    gaps = -np.diff(frame.moments)
+    pair = int(np.argmin(gaps))
+    rows = np.flatnonzero(carried.at(float(STEPS[COARSE])))
+    if gaps[pair] > ALIKE or not len(rows):
+        return []
+    points = carried.in_frame(frame)[rows]
+    draw = lattice.keys(lattice.cubes(points)).draw.min(axis=1)
+    points = points[np.argsort(draw, kind="stable")[:JUDGES]]
+    count = int(np.ceil(min(TURNS / max(gaps[pair], TURNS / MOST), MOST) / APART))
+    angles = APART * np.array([turn for turn in range(-count, count + 1) if turn])
+    about = np.eye(3)[2 if pair == 0 else 0]
+    turned = [rotation_of(angle * about) for angle in angles]
+    placed = np.stack([points @ turn for turn in turned])
+    scores = _scores(placed, lattice, [axis for axis in range(3) if not about[axis]])
+    return [
+        (float(score), replace(frame, axes=np.ascontiguousarray(frame.axes @ turn)))
+        for score, turn in zip(scores, turned, strict=True)
+    ]
+
+
+def _scores(placed: FloatArray, lattice: PointLattice, axes: list[int]) -> FloatArray:
+    """Return (k,) the best lock of any step of points (k, n, 3), by two coordinates."""
+    dither = lattice.keys(lattice.cubes(placed.reshape(-1, 3))).dither.reshape(placed.shape)
+    x, at = placed[:, :, axes], dither[:, :, axes]
+    sums = [np.cos(4.0 * np.pi * (x / step - at)).sum(axis=(1, 2)) for step in STEPS[COARSE:]]
+    return np.asarray(np.max(sums, axis=0) / np.sqrt(x[0].size / 2.0))
