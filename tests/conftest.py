@@ -53,3 +53,22 @@ def shared_data() -> Path:
 def model() -> Mesh:
     """Return a closed shape of 2,382 vertices, for the tests that need no other."""
     return Mesh(*pebble(70))
+
+
+@pytest.fixture
+def short_search(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let a search read the surface as it stands and by a reference only; tests/ownership has all ways."""
+    from meshmark.ownership import extraction
+
+    kept = tuple(way for way in extraction.STRATEGIES if way.name in {"as it stands", "registered"})
+    assert len(kept) == 2
+    monkeypatch.setattr(extraction, "STRATEGIES", kept)
+
+
+@pytest.fixture
+def drafts(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Draw pictures with one sample for each pixel, those of pages small; tests/report looks at finished ones."""
+    from meshmark.report import authentication_page, picture
+
+    monkeypatch.setattr(picture, "FINER", 1)
+    monkeypatch.setattr(authentication_page, "SIZE", 160)

