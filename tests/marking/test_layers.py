@@ -13,14 +13,15 @@ from meshmark.mesh import Mesh
 from meshmark.strengths import BUDGETS
 from tests.counting import some
 from tests.keys import ID, KEY, OTHER
+from tests.marked import marked_pebble
 from tests.shapes import pebble
 
 pytestmark = pytest.mark.usefixtures("short_search")
 
 
 @pytest.fixture(scope="module")
-def both(model):
-    return embed(model, KEY, id=ID)
+def both():
+    return marked_pebble()
 
 
 def test_both_layers_are_there_by_default_and_both_are_read(model, both):
@@ -53,8 +54,8 @@ def test_marking_both_again_still_reads(both):
     assert extract(embed(both.mesh, KEY, id=ID).mesh, KEY).id == ID
 
 
-def test_ownership_alone_is_not_authenticated_and_its_certificate_says_so(model):
-    result = embed(model, KEY, id=ID, layers="ownership")
+def test_ownership_alone_is_not_authenticated_and_its_certificate_says_so():
+    result = marked_pebble(layers="ownership")
     assert (result.layers, result.mark_vertices) == ("ownership", 0)
     blind = authenticate(result.mesh, KEY)
     assert (blind.verdict, blind.id, blind.altered_vertices) == ("inconclusive", ID, 0)
