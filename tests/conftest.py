@@ -20,11 +20,14 @@ settings.load_profile("meshmark")
 # The files that take longest, the slowest first. Several processes take files in this order, so that none is left
 # with a long one in the end (`make test`; seconds of processor time: `pytest --durations`).
 SLOWEST = (
-    "research/test_every_scheme.py", "test_docs.py", "ownership/test_damage.py", "cli/test_demo.py",
-    "cli/test_authenticate.py", "cli/test_commands.py", "cli/test_bad_models.py", "marking/test_layers.py",
-    "marking/test_copies.py", "cli/test_outputs.py", "recovery/test_repair.py", "ownership/test_embedding.py",
-    "ownership/test_unsmoothed.py", "research/benchmark/test_resuming.py", "research/benchmark/test_page.py",
-    "research/benchmark/test_plots.py",
+    "marking/test_copies.py", "ownership/test_embedding.py", "research/test_every_scheme.py",
+    "marking/test_layers.py", "cli/test_demo.py", "test_docs.py", "ownership/test_damage.py",
+    "research/benchmark/test_run.py", "authentication/test_as_written.py", "recovery/test_repair.py",
+    "ownership/test_extraction_answers.py", "cli/test_outputs.py", "cli/test_authenticate.py",
+    "research/benchmark/test_authentication_bars.py", "ownership/test_unsmoothed.py",
+    "research/benchmark/test_resuming.py", "research/benchmark/test_page.py", "metrics/test_msdm2.py",
+    "recovery/test_recovery_placing.py", "cli/test_bad_models.py", "research/benchmark/test_forging.py",
+    "ownership/test_shortfall.py", "authentication/test_rounded.py", "research/benchmark/test_plots.py",
 )  # fmt: skip
 
 
@@ -53,3 +56,22 @@ def shared_data() -> Path:
 def model() -> Mesh:
     """Return a closed shape of 2,382 vertices, for the tests that need no other."""
     return Mesh(*pebble(70))
+
+
+@pytest.fixture
+def short_search(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let a search read the surface as it stands and by a reference only; tests/ownership has all ways."""
+    from meshmark.ownership import extraction
+
+    kept = tuple(way for way in extraction.STRATEGIES if way.name in {"as it stands", "registered"})
+    assert len(kept) == 2
+    monkeypatch.setattr(extraction, "STRATEGIES", kept)
+
+
+@pytest.fixture
+def drafts(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Draw pictures with one sample for each pixel, those of pages small; tests/report looks at finished ones."""
+    from meshmark.report import authentication_page, picture
+
+    monkeypatch.setattr(picture, "FINER", 1)
+    monkeypatch.setattr(authentication_page, "SIZE", 160)

@@ -74,7 +74,7 @@ def test_the_readme_names_every_public_name(name):
     assert f"mm.{name}" in README
 
 
-def test_the_python_example_runs(tmp_path, monkeypatch, capsys):
+def test_the_python_example_runs(short_search, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     points, faces = pebble(70)  # as tall as the hare, and marked in a fraction of the time
     mm.write_mesh(mm.Mesh(points * 100.0 / np.ptp(points[:, 1]) + [0.0, 50.0, 0.0], faces), "hare.ply")
@@ -90,7 +90,7 @@ CLOSE = 0.02
 HARE = (25_178, 50_360)
 
 
-def test_the_tour_prints_what_the_readme_shows(tmp_path, monkeypatch):
+def test_the_tour_prints_what_the_readme_shows(short_search, drafts, tmp_path, monkeypatch):
     """With a key that is always the same (tools/readme_tour.py): `keygen` draws another one each time."""
     tool = tool_of("readme_tour")
     monkeypatch.chdir(tmp_path)

@@ -17,14 +17,15 @@ from meshmark.errors import CapacityError, InputError
 from meshmark.marking import Certificate, authenticate, embed
 from meshmark.mesh import Mesh
 from tests.keys import ID, KEY, OTHER
+from tests.marked import marked_pebble
 from tests.shapes import pebble
 
 CANNOT_TELL = "whether it was changed cannot be told"
 
 
 @pytest.fixture(scope="module")
-def marked(model):
-    return embed(model, KEY, id=ID, layers="ownership")
+def marked():
+    return marked_pebble(layers="ownership")
 
 
 @pytest.fixture(scope="module")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -24,9 +25,10 @@ from tests.glb_edits import (
     posed_skin,
     red,
 )
+from tests.keys import KEY
 from tests.shapes import pebble
 
-KEY = mm.Key(bytes(range(32)))
+SHAPE = pebble(40)
 
 
 class Marked(NamedTuple):
@@ -46,7 +48,15 @@ def marked_glb(folder: Path, data: bytes) -> Marked:
 
 @pytest.fixture(scope="module")
 def marked(tmp_path_factory):
-    return marked_glb(tmp_path_factory.mktemp("plain"), plain_glb(*pebble(48)))
+    return marked_glb(tmp_path_factory.mktemp("plain"), plain_glb(*SHAPE))
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """Return what marks the model after a change, each once."""
+    return cache(
+        lambda change: marked_glb(tmp_path_factory.mktemp("made"), changed(plain_glb(*SHAPE), change))
+    )
 
 
 def judged(folder: Path, data: bytes, reference: Certificate | None = None) -> mm.Authentication:
@@ -80,18 +90,17 @@ def test_amounts_are_measured(marked, tmp_path):
 
 @pytest.mark.parametrize("change", [morph_weights, posed_skin, glass], ids=lambda change: change.__name__)
 @pytest.mark.parametrize("with_certificate", [False, True])
-def test_what_was_so_when_it_was_signed_off_is_authentic(tmp_path, change, with_certificate):
-    made = marked_glb(tmp_path, changed(plain_glb(*pebble(48)), change))
-    reference = made.certificate if with_certificate else None
-    assert judged(tmp_path, made.data, reference).verdict == "authentic"
-    glb = Glb.read(made.data)
+def test_what_was_so_when_it_was_signed_off_is_authentic(tmp_path, made, change, with_certificate):
+    marked = made(change)
+    reference = marked.certificate if with_certificate else None
+    assert judged(tmp_path, marked.data, reference).verdict == "authentic"
+    glb = Glb.read(marked.data)
     added_lines(glb)
     assert [cause.kind for cause in judged(tmp_path, glb.bytes(), reference).causes] == ["lines"]
 
 
-def test_another_amount_is_another_thing(tmp_path):
-    made = marked_glb(tmp_path, changed(plain_glb(*pebble(48)), morph_weights))
-    glb = Glb.read(made.data)
+def test_another_amount_is_another_thing(tmp_path, made):
+    glb = Glb.read(made(morph_weights).data)
     glb.tree["meshes"][0]["weights"] = [1.5]
     assert judged(tmp_path, glb.bytes()).verdict == "surface_intact"
     glb.tree["meshes"][0]["weights"] = [1.02]  # as an export may round it
@@ -109,7 +118,7 @@ def test_looks_are_compared_with_the_certificate_alone(marked, tmp_path):
 
 
 def test_renamed_and_copied_materials_look_alike(tmp_path):
-    made = marked_glb(tmp_path, changed(plain_glb(*pebble(48)), red))
+    made = marked_glb(tmp_path, changed(plain_glb(*SHAPE), red))
     glb = Glb.read(made.data)
     red(glb)  # a second material of the same looks
     glb.tree["materials"][-1] |= {"name": "blue", "doubleSided": False, "emissiveFactor": [0, 0, 0]}
@@ -117,7 +126,7 @@ def test_renamed_and_copied_materials_look_alike(tmp_path):
 
 
 def test_another_image_looks_different(tmp_path):
-    made = marked_glb(tmp_path, changed(plain_glb(*pebble(48)), clear_texture))
+    made = marked_glb(tmp_path, changed(plain_glb(*SHAPE), clear_texture))
     assert judged(tmp_path, made.data, made.certificate).verdict == "authentic"
     glb = Glb.read(made.data)
     view = glb.tree["bufferViews"][glb.tree["images"][0]["bufferView"]]

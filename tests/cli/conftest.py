@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 import gzip
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
 import pytest
 
 from meshmark.cli.main import main
 from meshmark.coding.keys import Key
-from meshmark.data import hare_ply
 from meshmark.io import write_mesh
-from meshmark.mesh import Mesh
+from meshmark.mesh import FloatArray, IntArray, Mesh
+from tests.keys import IDENTITY
 from tests.shapes import pebble
-
-IDENTITY = "0123456789abcdef"
 
 
 class Ran(NamedTuple):
@@ -31,14 +30,9 @@ class Ran(NamedTuple):
 Run = Callable[..., Ran]
 
 
-@pytest.fixture(autouse=True, scope="session")
-def drafts() -> Iterator[None]:
-    """Draw pictures with one sample for each pixel; smooth edges are what tests/report looks at."""
-    from meshmark.report import picture
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(picture, "FINER", 1)
-        yield
+@pytest.fixture(autouse=True)
+def drawn_as_drafts(drafts: None) -> None:
+    """Draw all pictures as drafts."""
 
 
 @pytest.fixture
@@ -61,12 +55,30 @@ def small_model(tmp_path: Path) -> Path:
 
 
 class Files(NamedTuple):
-    """A model, a key, and the model marked with `IDENTITY`."""
+    """A model of so many vertices and faces, a key, and the model marked with `IDENTITY`."""
 
     model: Path
     key: Path
     marked: Path
     printed: dict[str, object]
+    vertices: int
+    faces: int
+
+
+def coloured_ply(points: FloatArray, faces: IntArray) -> bytes:
+    """Return a binary PLY file of single floats with a colour for each vertex."""
+    vertices = np.zeros(len(points), [("xyz", "<f4", 3), ("rgb", "u1", 3)])
+    vertices["xyz"] = points
+    vertices["rgb"] = np.clip(100.0 + 40.0 * points, 0.0, 255.0)
+    triangles = np.full(len(faces), 3, [("count", "u1"), ("corners", "<i4", 3)])
+    triangles["corners"] = faces
+    header = [
+        "ply", "format binary_little_endian 1.0", "comment a pebble",
+        f"element vertex {len(points)}", *(f"property float {axis}" for axis in "xyz"),
+        *(f"property uchar {colour}" for colour in ("red", "green", "blue")),
+        f"element face {len(faces)}", "property list uchar int vertex_indices", "end_header", "",
+    ]  # fmt: skip
+    return "\n".join(header).encode() + vertices.tobytes() + triangles.tobytes()
 
 
 @pytest.fixture(scope="session")
@@ -77,8 +89,10 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> Files:
     import json
 
     folder = tmp_path_factory.mktemp("files")
-    (folder / "hare.ply.gz").write_bytes(gzip.compress(hare_ply(), mtime=0))
-    found = Files(folder / "hare.ply.gz", folder / "owner.key", folder / "marked.ply", {})
+    points, faces = pebble(96)
+    model = folder / "pebble.ply.gz"
+    model.write_bytes(gzip.compress(coloured_ply(points, faces), mtime=0))
+    found = Files(model, folder / "owner.key", folder / "marked.ply", {}, len(points), len(faces))
     Key(bytes(range(32))).save(found.key)
     captured = io.StringIO()
     with contextlib.redirect_stdout(captured):

@@ -12,6 +12,8 @@ from refusals import assert_refused, snapshot
 
 from tests.counting import some
 
+pytestmark = pytest.mark.usefixtures("short_search")
+
 UNREADABLE = {
     "a PDF called PLY": ("a.ply", b"%PDF-1.7\n1 0 obj\n<< /Type /Catalog >>\nendobj\n"),
     "an unknown format": ("a.docx", b"PK\x05\x06" + bytes(18)),
@@ -156,8 +158,11 @@ def test_a_model_cut_off_anywhere(cli, files, tmp_path):
 def test_a_binary_model_with_nan_or_an_index_out_of_range(cli, files, tmp_path):
     whole = gzip.decompress(files.model.read_bytes())
     start = whole.index(b"end_header\n") + len(b"end_header\n")
-    faces = start + 15 * 25178
-    for place, value in ((start, np.float32("nan").tobytes()), (faces + 1, np.int32(25178).tobytes())):
+    faces = start + 15 * files.vertices
+    for place, value in (
+        (start, np.float32("nan").tobytes()),
+        (faces + 1, np.int32(files.vertices).tobytes()),
+    ):
         (tmp_path / "bad.ply").write_bytes(whole[:place] + value + whole[place + 4 :])
         before = snapshot(tmp_path)
         ran = cli("embed", tmp_path / "bad.ply", tmp_path / "out.ply", "--key", files.key)

@@ -44,18 +44,18 @@ def test_places_where_nothing_can_be_written(cli, files, tmp_path):
     (tmp_path / "file").write_text("x")
     (tmp_path / "folder.ply").mkdir()
     (tmp_path / "folder.csv").mkdir()
-    (tmp_path / "hare.ply.gz").write_bytes(files.model.read_bytes())
-    (tmp_path / "link.ply.gz").symlink_to(tmp_path / "hare.ply.gz")
+    (tmp_path / "pebble.ply.gz").write_bytes(files.model.read_bytes())
+    (tmp_path / "link.ply.gz").symlink_to(tmp_path / "pebble.ply.gz")
     shutil.copy(files.key, tmp_path / "own.key")
     before = snapshot(tmp_path)
-    model, key = tmp_path / "hare.ply.gz", tmp_path / "own.key"
+    model, key = tmp_path / "pebble.ply.gz", tmp_path / "own.key"
     for out in (
         tmp_path,
         tmp_path / "folder.ply",
         tmp_path / "nowhere" / "out.ply",
         tmp_path / "file" / "out.ply",
         model,
-        tmp_path / "folder.ply" / ".." / "hare.ply.gz",
+        tmp_path / "folder.ply" / ".." / "pebble.ply.gz",
         tmp_path / "link.ply.gz",
         key,
         Path("/dev/full"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +17,8 @@ from meshmark.cli.demo import NOISE, SCALE, travelled
 from meshmark.cli.demo_damage import PUSH, bent
 from meshmark.marking import mark_request
 from tests.shapes import pebble
+
+pytestmark = pytest.mark.usefixtures("short_search")
 
 
 @pytest.fixture(scope="module")
@@ -89,7 +92,9 @@ def test_the_demo_fails_where_the_id_does_not_come_back(cli, folder, other, monk
     import meshmark.cli.demo as program
     import meshmark.marking as scheme
     import meshmark.report.demo_picture as drawing
+    from meshmark.marking import marked_file
 
+    monkeypatch.setattr(marked_file, "embed_file", partial(marked_file.embed_file, layers="ownership"))
     monkeypatch.setattr(drawing, "demo_picture", lambda *_: None)
     monkeypatch.setattr(program, "damage", lambda *_: [])
     true = scheme.extract(mm.read_mesh(folder / "changed.glb"), mm.Key.load(folder / "demo.key"))

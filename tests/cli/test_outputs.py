@@ -11,13 +11,15 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from json_object import only_object
 from refusals import assert_refused, snapshot
-from test_commands import only_object
 
 import meshmark as mm
 from tests.counting import some
 from tests.io.gltf_samples import cube
 from tests.shapes import pebble
+
+pytestmark = pytest.mark.usefixtures("short_search")
 
 
 @pytest.fixture(scope="module")

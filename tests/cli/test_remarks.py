@@ -6,23 +6,23 @@ import gzip
 import json
 import struct
 import zipfile
-from io import BytesIO
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from meshmark.data import hare_ply
-from meshmark.io import read_mesh, read_mesh_from, write_mesh
+from meshmark.io import read_mesh, write_mesh
+from meshmark.mesh import Mesh
 from tests.counting import some
+from tests.shapes import pebble
 
 
 @pytest.fixture(scope="module")
 def sphere(tmp_path_factory) -> bytes:
     """A small bumpy sphere as a binary STL."""
     folder = tmp_path_factory.mktemp("sphere")
-    write_mesh(read_mesh_from(BytesIO(hare_ply()), "ply"), folder / "hare.stl")
-    return (folder / "hare.stl").read_bytes()
+    write_mesh(Mesh(*pebble(48)), folder / "sphere.stl")
+    return (folder / "sphere.stl").read_bytes()
 
 
 def odd_files(stl: bytes) -> dict[str, tuple[bytes, str]]:
@@ -65,18 +65,18 @@ def test_info_and_embed_remark(cli, files, tmp_path: Path, sphere: bytes, name: 
 def test_a_model_in_an_archive_is_marked_in_it(cli, files, tmp_path: Path) -> None:
     path, out = tmp_path / "thing.zip", tmp_path / "marked.zip"
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr("files/hare.ply", gzip.decompress(files.model.read_bytes()))
+        archive.writestr("files/pebble.ply", gzip.decompress(files.model.read_bytes()))
         archive.writestr("LICENSE.txt", "free")
     ran = cli("embed", path, out, "--key", files.key, "--layers", "ownership", "--json")
     assert ran.code == 0, ran
-    says = "the model in this zip archive is files/hare.ply, beside 1 other file"
+    says = "the model in this zip archive is files/pebble.ply, beside 1 other file"
     assert json.loads(ran.out)["remarks"] == [f"thing.zip: {says}"]
     assert (
         json.loads(cli("extract", out, "--key", files.key, "--json").out)["id"] == json.loads(ran.out)["id"]
     )
     with zipfile.ZipFile(out) as archive:
         assert archive.read("LICENSE.txt") == b"free"
-        assert archive.namelist() == ["files/hare.ply", "LICENSE.txt"]
+        assert archive.namelist() == ["files/pebble.ply", "LICENSE.txt"]
 
 
 def test_an_ordinary_file_gives_no_remark(cli, files) -> None:

@@ -13,6 +13,7 @@ from meshmark.marking.mark_request import MarkRequest
 from meshmark.mesh import Mesh
 from tests.counting import some
 from tests.keys import ID, KEY
+from tests.marked import marked_pebble
 from tests.shapes import pebble
 
 FIELDS = {
@@ -24,7 +25,7 @@ PRESENT = {"both": (True, True), "ownership": (True, False), "authentication": (
 
 @pytest.fixture(scope="module", params=PRESENT)
 def result(request):
-    return mm.embed(Mesh(*pebble(70)), KEY, id=ID, layers=request.param)
+    return marked_pebble(layers=request.param)
 
 
 def test_a_layer_that_was_not_asked_for_is_none(result):

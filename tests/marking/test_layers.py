@@ -13,12 +13,15 @@ from meshmark.mesh import Mesh
 from meshmark.strengths import BUDGETS
 from tests.counting import some
 from tests.keys import ID, KEY, OTHER
+from tests.marked import marked_pebble
 from tests.shapes import pebble
+
+pytestmark = pytest.mark.usefixtures("short_search")
 
 
 @pytest.fixture(scope="module")
-def both(model):
-    return embed(model, KEY, id=ID)
+def both():
+    return marked_pebble()
 
 
 def test_both_layers_are_there_by_default_and_both_are_read(model, both):
@@ -51,8 +54,8 @@ def test_marking_both_again_still_reads(both):
     assert extract(embed(both.mesh, KEY, id=ID).mesh, KEY).id == ID
 
 
-def test_ownership_alone_is_not_authenticated_and_its_certificate_says_so(model):
-    result = embed(model, KEY, id=ID, layers="ownership")
+def test_ownership_alone_is_not_authenticated_and_its_certificate_says_so():
+    result = marked_pebble(layers="ownership")
     assert (result.layers, result.mark_vertices) == ("ownership", 0)
     blind = authenticate(result.mesh, KEY)
     assert (blind.verdict, blind.id, blind.altered_vertices) == ("inconclusive", ID, 0)
@@ -201,10 +204,18 @@ def test_a_payload_is_read_from_scattered_marks_though_the_map_believes_few(mode
 
 def test_a_small_model_whose_marks_do_not_tell_the_id_is_marked_for_the_layer_below_tells_it():
     small = Mesh(*pebble(48))
-    silent = 0
-    for identity in range(3, 8):  # one draw in five or so
+    silent = False
+    for identity in (
+        6,
+        7,
+        3,
+        4,
+        5,
+    ):  # one draw in five or so; where sums differ in their last digits, another one
         result = embed(small, KEY, id=identity, payload="none")
-        silent += check(weld(result.mesh), KEY).nonce is None
+        silent = check(weld(result.mesh), KEY).nonce is None
         found = authenticate(result.mesh, KEY)
         assert (found.verdict, found.id) == ("authentic", identity)
-    assert silent > 0
+        if silent:
+            break
+    assert silent

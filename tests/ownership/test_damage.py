@@ -9,8 +9,15 @@ from meshmark.attacks import parse_chain
 from meshmark.coding.keys import Key
 from meshmark.marking import embed, extract
 from meshmark.mesh import Mesh
+from meshmark.ownership.search import search
 from tests.keys import ID, KEY
 from tests.shapes import boulder, pebble
+
+
+@pytest.fixture(autouse=True)
+def fine(monkeypatch):
+    """Let all models pass for fine ones: smoothing is taken back exactly in test_unsmoothed.py."""
+    monkeypatch.setattr(search, "COARSE", 0)
 
 
 @pytest.fixture(scope="module")
@@ -20,7 +27,7 @@ def model() -> Mesh:
 
 @pytest.fixture(scope="module")
 def marked(model):
-    return embed(model, KEY, id=ID, tolerance="strict")
+    return embed(model, KEY, id=ID, layers="ownership")
 
 
 def attacked(mesh, text):
@@ -67,7 +74,7 @@ def test_so_does_the_original(model, marked):
     assert (found.presence, found.id, found.mode) == ("present", ID, "original")
 
 
-def test_a_reference_makes_no_mark(model, marked):
+def test_a_reference_makes_no_mark(model, marked, short_search):
     """The unmarked model fits the certificate as well as the marked one, and another key finds nothing."""
     assert extract(model, KEY, reference=marked.certificate).presence == "absent"
     assert extract(marked.mesh, Key(bytes(32)), reference=marked.certificate).presence == "absent"

@@ -24,6 +24,7 @@ from meshmark.ownership.search.search import Search
 from meshmark.ownership.search.trials import TrialCounter
 from meshmark.strengths import BUDGETS, VISIBLE_SHARES
 from tests.keys import ID, KEY, OTHER
+from tests.marked import marked_pebble
 from tests.shapes import pebble
 
 
@@ -33,8 +34,8 @@ def embed(mesh: Mesh, key: Key, **options: Any) -> Embedding:
 
 
 @pytest.fixture(scope="module")
-def marked(model):
-    return embed(model, KEY, id=ID)
+def marked():
+    return marked_pebble(layers="ownership")
 
 
 def subdivide(mesh: Mesh) -> Mesh:
@@ -48,7 +49,7 @@ def subdivide(mesh: Mesh) -> Mesh:
 
 @pytest.mark.parametrize("strength", list(BUDGETS))
 def test_every_strength_keeps_its_budget_is_seen_no_more_than_it_may_and_is_read(model, strength):
-    result = embed(model, KEY, id=ID, strength=strength)
+    result = marked_pebble(layers="ownership", strength=strength)
     moved = np.sqrt(((result.mesh.vertices - model.vertices) ** 2).sum(axis=1).mean())
     diagonal = np.linalg.norm(np.ptp(model.vertices, axis=0))
     assert moved / diagonal <= BUDGETS[strength]

@@ -17,7 +17,7 @@ def model() -> Mesh:
     return Mesh(*pebble(30))
 
 
-def test_a_search_without_a_limit_ends_with_absent(model):
+def test_a_search_without_a_limit_ends_with_absent(model, short_search):
     assert extract(model, KEY).presence == "absent"
 
 

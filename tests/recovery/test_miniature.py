@@ -73,15 +73,22 @@ def test_parts_far_from_the_rest_come_back_in_place(away):
     assert np.ptp(places, axis=0) == pytest.approx(np.ptp(canonical, axis=0), abs=0.3)
 
 
-@pytest.mark.parametrize("cards", [700, 1000, 2500])
-def test_a_soup_with_fewer_faces_than_the_target_gets_a_miniature(cards):
-    # Leaf cards: four points and two faces each, more points than the library is asked to leave faces.
-    random = np.random.default_rng(cards)
-    middle, axes = random.normal(size=(cards, 1, 3)), random.normal(size=(cards, 2, 3))
+def leaf_cards(count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return cards of four points and two faces each: more points than the library is asked to leave faces."""
+    random = np.random.default_rng(count)
+    middle, axes = random.normal(size=(count, 1, 3)), random.normal(size=(count, 2, 3))
     corner = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
     points = (middle + 0.05 * corner @ axes).reshape(-1, 3)
-    faces = (4 * np.arange(cards)[:, None, None] + np.array([[0, 1, 2], [0, 2, 3]])).reshape(-1, 3)
+    return points, (4 * np.arange(count)[:, None, None] + np.array([[0, 1, 2], [0, 2, 3]])).reshape(-1, 3)
+
+
+@pytest.mark.parametrize("cards", [700, 1000, 2500])
+def test_a_soup_with_fewer_faces_than_the_target_is_simplified(cards):
+    points, faces = leaf_cards(cards)
     few, small = simplify(points, faces, 300)
     assert 0 < len(small) <= len(faces)
     assert len(few) <= len(points)
-    assert len(miniature(points, faces, 500)) <= 500
+
+
+def test_a_soup_gets_a_miniature():
+    assert len(miniature(*leaf_cards(700), 500)) <= 500

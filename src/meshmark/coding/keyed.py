@@ -33,10 +33,12 @@ def cell_words(subkey: bytes, coordinates: IntArray, words: int = 4) -> NDArray[
         raise InputError(f"{words} words per cell asked for, expected 1 to {_MAX_WORDS}")
     rows = np.ascontiguousarray(coordinates, dtype="<i8")
     data, width, size = rows.tobytes(), 8 * rows.shape[1], 8 * words
-    digests = [
-        blake2b(data[start : start + width], digest_size=size, key=subkey, person=_CELL).digest()
-        for start in range(0, len(data), width)
-    ]
+    keyed = blake2b(digest_size=size, key=subkey, person=_CELL)
+    digests = []
+    for start in range(0, len(data), width):
+        digest = keyed.copy()  # half the time of a new one with the key
+        digest.update(data[start : start + width])
+        digests.append(digest.digest())
     return np.frombuffer(b"".join(digests), dtype="<u8").astype(np.uint64).reshape(len(rows), words)
 
 

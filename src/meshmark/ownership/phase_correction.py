@@ -13,6 +13,7 @@ import numpy as np
 from meshmark.mesh import FloatArray
 from meshmark.ownership.carriers.cells import Cells
 from meshmark.ownership.carriers.quantisation import lock_score
+from meshmark.ownership.carriers.weighted_squares import WeightedSquares
 from meshmark.ownership.observation import Observation
 
 __all__ = ["best_correction", "best_corrections", "corrected_phase", "shifts"]
@@ -82,32 +83,31 @@ def best_corrections(
     """Return the corrections (k, d) of several sets of phases (k, n), as `best_correction` does, all at once."""
     held = 1.0 / expected**2
     best = np.zeros((len(psi), len(expected)))
-    value = _values(psi, best, held, weight)
+    turned = np.array(psi)
+    cosine = np.cos(turned)
+    value = cosine @ weight
     damping = np.full(len(psi), 1e-2)
     climbing = np.arange(len(psi))
+    squares = WeightedSquares(response)
     diagonal = np.arange(len(expected))
     for _ in range(STEPS):
         at = best[climbing]
-        turned = psi[climbing] + at @ response.T
         # Where a cosine is low its curvature points the wrong way; a little is kept.
-        curved = weight * np.maximum(np.cos(turned), 0.1)
-        hessian = (curved[:, None, :] * response.T) @ response
+        hessian = squares(weight * np.maximum(cosine[climbing], 0.1))
         hessian[:, diagonal, diagonal] += held
         hessian[:, diagonal, diagonal] *= 1.0 + damping[climbing, None]
-        slope = -(weight * np.sin(turned)) @ response - held * at
+        slope = -(weight * np.sin(turned[climbing])) @ response - held * at
         ahead = at + np.linalg.solve(hessian, slope[..., None])[..., 0]
-        gain = _values(psi[climbing] + ahead @ response.T, ahead, held, weight) - value[climbing]
+        moved = psi[climbing] + ahead @ response.T
+        there = np.cos(moved)
+        gain = there @ weight - 0.5 * (ahead**2) @ held - value[climbing]
         up = gain > 0.0
-        damping[climbing[up]] /= 3.0
+        rows = climbing[up]
+        damping[rows] /= 3.0
         damping[climbing[~up]] *= 5.0
-        best[climbing[up]] = ahead[up]
-        value[climbing] += np.maximum(gain, 0.0)
+        best[rows], turned[rows], cosine[rows] = ahead[up], moved[up], there[up]
+        value[rows] += gain[up]
         climbing = climbing[~up | (gain >= 1e-6 * psi.shape[1])]
         if not len(climbing):
             break
     return best
-
-
-def _values(turned: FloatArray, corrections: FloatArray, held: FloatArray, weight: FloatArray) -> FloatArray:
-    """Return (k,) what `best_correction` maximises."""
-    return np.asarray(np.cos(turned) @ weight - 0.5 * (corrections**2) @ held)

@@ -75,16 +75,18 @@ class _Collapser:
 
     def ring(self, point: int) -> set[int]:
         """Return the neighbours of a point."""
-        return {corner for number in self.at[point] for corner in self.faces[number]} - {point}
+        around: set[int] = set()
+        for number in self.at[point]:
+            around.update(self.faces[number])
+        around.discard(point)
+        return around
 
     def run(self, count: int) -> tuple[FloatArray, IntArray]:
         """Collapse until `count` points are left."""
         alive = sum(1 for there in self.at if there)
         heap: list[tuple[float, int, int, int, int]] = []
         for point in range(len(self.points)):
-            for other in self.ring(point):
-                if point < other:
-                    self._push(heap, point, other)
+            heap += [self._entry(point, other) for other in self.ring(point) if point < other]
         heapq.heapify(heap)
         while alive > count and heap:
             _, a, b, first, second = heapq.heappop(heap)
@@ -96,17 +98,18 @@ class _Collapser:
             self._collapse(a, b, place)
             alive -= 1
             for other in self.ring(a):
-                self._push(heap, min(a, other), max(a, other))
+                heapq.heappush(heap, self._entry(min(a, other), max(a, other)))
         return self._result()
 
-    def _push(self, heap: list[tuple[float, int, int, int, int]], a: int, b: int) -> None:
-        heapq.heappush(heap, (self._place(a, b)[0], a, b, self.version[a], self.version[b]))
+    def _entry(self, a: int, b: int) -> tuple[float, int, int, int, int]:
+        return self._place(a, b)[0], a, b, self.version[a], self.version[b]
 
     def _place(self, a: int, b: int) -> tuple[float, Point]:
         """Return what the collapse costs, and where its point is: the least of the quadric, held to the middle."""
-        xx, xy, xz, yy, yz, zz, x, y, z, constant = (
-            one + other for one, other in zip(self.quadric[a], self.quadric[b], strict=True)
-        )
+        one, other = self.quadric[a], self.quadric[b]
+        xx, xy, xz = one[0] + other[0], one[1] + other[1], one[2] + other[2]
+        yy, yz, zz = one[3] + other[3], one[4] + other[4], one[5] + other[5]
+        x, y, z, constant = one[6] + other[6], one[7] + other[7], one[8] + other[8], one[9] + other[9]
         (ax, ay, az), (bx, by, bz) = self.points[a], self.points[b]
         middle = (0.5 * (ax + bx), 0.5 * (ay + by), 0.5 * (az + bz))
         square = (ax - bx) ** 2 + (ay - by) ** 2 + (az - bz) ** 2
@@ -115,12 +118,12 @@ class _Collapser:
             (xx + hold, xy, xz, yy + hold, yz, zz + hold),
             (x + hold * middle[0], y + hold * middle[1], z + hold * middle[2]),
         )
-        if place is None or sum((p - m) ** 2 for p, m in zip(place, middle, strict=True)) > square:
-            place = middle
-        u, v, w = place
+        u, v, w = place or middle
+        if (u - middle[0]) ** 2 + (v - middle[1]) ** 2 + (w - middle[2]) ** 2 > square:
+            u, v, w = middle
         cost = xx * u * u + yy * v * v + zz * w * w + 2.0 * (xy * u * v + xz * u * w + yz * v * w)
         cost += constant - 2.0 * (x * u + y * v + z * w)
-        return max(cost, 0.0) + 1e-9 * square**2, place
+        return max(cost, 0.0) + 1e-9 * square**2, (u, v, w)
 
     def _allowed(self, a: int, b: int, place: Point) -> bool:
         shared = self.at[a] & self.at[b]
@@ -139,9 +142,13 @@ class _Collapser:
         return len(self.ring(point)) != len(self.at[point])
 
     def _keeps_side(self, number: int, ends: set[int], place: Point) -> bool:
-        before = [self.points[corner] for corner in self.faces[number]]
-        after = [place if corner in ends else self.points[corner] for corner in self.faces[number]]
-        one, other = _normal(*before), _normal(*after)
+        points, (a, b, c) = self.points, self.faces[number]
+        one = _normal(points[a], points[b], points[c])
+        other = _normal(
+            place if a in ends else points[a],
+            place if b in ends else points[b],
+            place if c in ends else points[c],
+        )
         sizes = _dot(one, one) * _dot(other, other)
         return _dot(one, other) > LEAST_COSINE * sizes**0.5 or not any(one)
 

@@ -68,15 +68,19 @@ class _Groups:
 
     def __init__(self, group: IntArray) -> None:
         self.order = np.argsort(group, kind="stable")
+        self.sorted = bool((group[1:] >= group[:-1]).all())
         self.names, self.starts = np.unique(group[self.order], return_index=True)
         self.count = int(group.max(initial=-1)) + 1
 
     def sums(self, values: FloatArray) -> FloatArray:
         out = np.zeros((self.count, values.shape[1]))
-        out[self.names] = np.add.reduceat(values[self.order], self.starts)
+        out[self.names] = np.add.reduceat(self._ordered(values), self.starts)
         return out
 
     def products(self, values: FloatArray) -> FloatArray:
         out = np.ones((self.count, values.shape[1]))
-        out[self.names] = np.multiply.reduceat(values[self.order], self.starts)
+        out[self.names] = np.multiply.reduceat(self._ordered(values), self.starts)
         return out
+
+    def _ordered(self, values: FloatArray) -> FloatArray:
+        return values if self.sorted else values[self.order]

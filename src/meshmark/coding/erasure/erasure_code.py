@@ -8,6 +8,7 @@ the size of the message instead. What is decoded is vouched for by 32 bits of a 
 
 from __future__ import annotations
 
+from functools import lru_cache
 from hashlib import blake2b
 
 import numpy as np
@@ -89,6 +90,16 @@ def decode(index: NDArray[np.uint32], value: Symbols, symbol_bits: int) -> bytes
     """
     _check_bits(symbol_bits)
     index, value = _once(np.asarray(index, np.uint32), np.asarray(value, np.uint16))
+    return _message(index.tobytes(), value.tobytes(), symbol_bits)
+
+
+@lru_cache(maxsize=8)
+def _message(indices: bytes, values: bytes, symbol_bits: int) -> bytes | None:
+    """Return the message of symbols that each occur once.
+
+    The same symbols are often decoded several times, a model being read after each rounding that it is to bear.
+    """
+    index, value = np.frombuffer(indices, np.uint32), np.frombuffer(values, np.uint16)
     pilot = _is_pilot(index)
     data, held = index[~pilot], value[~pilot]
     for ladder in _likely_sizes(index[pilot], value[pilot], symbol_bits, len(data)):

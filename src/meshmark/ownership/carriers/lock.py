@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshmark.mesh import FloatArray, IntArray
+from meshmark.ownership.carriers.weighted_squares import WeightedSquares
 
 __all__ = ["Lock", "LockSearch", "grid_size"]
 
@@ -216,26 +217,27 @@ def _polish(psi: FloatArray, response: FloatArray, weight: FloatArray, places: F
     """Climb to the top of the score from each place (k, d) by damped Newton steps; return the ends (k, d)."""
     here, damping = places.copy(), np.full(len(places), 1e-2)
     phase = psi + here @ response.T
-    score = np.cos(phase) @ weight
+    cosine = np.cos(phase)
+    score = cosine @ weight
     climbing = np.arange(len(places))
+    squares = WeightedSquares(response)
     diagonal = np.arange(response.shape[1])
     for _ in range(POLISH_STEPS):
-        at = phase[climbing]
         # Where a cosine is low its curvature points the wrong way; it is left out.
-        hessian = ((weight * np.maximum(np.cos(at), 0.0))[:, None] * response.T) @ response
+        hessian = squares(weight * np.maximum(cosine[climbing], 0.0))
         # An expected step of 1 holds ill-determined ones.
         hessian[:, diagonal, diagonal] += hessian[:, diagonal, diagonal] * damping[climbing, None] + 1.0
-        step = np.linalg.solve(hessian, -((weight * np.sin(at)) @ response)[..., None])[..., 0]
-        ahead = here[climbing] + step
+        slope = (weight * np.sin(phase[climbing])) @ response
+        ahead = here[climbing] + np.linalg.solve(hessian, -slope[..., None])[..., 0]
         moved = psi + ahead @ response.T
-        better = np.cos(moved) @ weight
+        there = np.cos(moved)
+        better = there @ weight
         up = better > score[climbing]
         rows, gain = climbing[up], (better - score[climbing])[up]
         damping[climbing[~up]] *= 10.0
         damping[rows] *= 0.3
-        here[rows], phase[rows], score[rows] = ahead[up], moved[up], better[up]
-        done = np.isin(climbing, rows[gain < 1e-3 * np.abs(score[rows])])
-        climbing = climbing[~done]
+        here[rows], phase[rows], cosine[rows], score[rows] = ahead[up], moved[up], there[up], better[up]
+        climbing = np.setdiff1d(climbing, rows[gain < 1e-3 * np.abs(score[rows])], assume_unique=True)
         if not len(climbing):
             break
     return here

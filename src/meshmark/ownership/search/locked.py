@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import product
+from math import isclose
 
 import numpy as np
 
@@ -76,7 +77,7 @@ def _distinct(found: list[tuple[float, float, FloatArray]]) -> list[tuple[float,
     """Return those of some (score, step, correction), best first, that are not the peak of a better one."""
     kept: list[tuple[float, float, FloatArray]] = []
     for entry in found:
-        if all(entry[1] != other[1] or not np.isclose(entry[0], other[0], rtol=SAME_PEAK) for other in kept):
+        if all(entry[1] != other[1] or not isclose(entry[0], other[0], rel_tol=SAME_PEAK) for other in kept):
             kept.append(entry)
     return kept
 
