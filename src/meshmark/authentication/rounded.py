@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from meshmark.authentication.checks.coarse_digits import coarse_digits
 from meshmark.authentication.examination import Examination
-from meshmark.authentication.parameters import UNIT
 from meshmark.geometry.kd_tree import kd_tree
 from meshmark.mesh import FloatArray, Mesh
 
@@ -43,7 +42,7 @@ def rounded_everywhere(mesh: Mesh, found: Examination) -> Rounded | None:
     if not found.marked or found.checks.new_boundary.any() or found.points_missing:
         return None
     coarse = coarse_digits(mesh.vertices)
-    if coarse is None or coarse.half <= found.checks.step / UNIT:
+    if coarse is None or coarse.half <= found.checks.error:
         return None
     of_vertex = found.surface.point_of_vertex
     off = np.zeros(len(found.surface.points), bool)

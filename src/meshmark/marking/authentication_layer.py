@@ -109,8 +109,9 @@ class _UnplacedError(_UnreadError):
 def _choices(planned: Planned, key: Key) -> Iterator[Planned]:
     """Yield the plan, then those of other keyed choices of points."""
     yield planned
+    surface, precision = planned.plan.surface, planned.precision
     for choice in range(1, _CHOICES):
-        yield replace(planned, plan=plan(planned.plan.surface, key, planned.precision.error, choice))
+        yield replace(planned, plan=plan(surface, key, precision.error, choice, precision.style))
 
 
 def _marked(base: Base, request: MarkRequest, planned: Planned, *, bound: bool) -> Authenticated:

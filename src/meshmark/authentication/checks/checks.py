@@ -14,10 +14,9 @@ from meshmark.authentication.checks.ring_reading import chance_of
 from meshmark.authentication.checks.setting_search import likeliest_setting
 from meshmark.authentication.checks.sweep import sweep
 from meshmark.authentication.marks.candidates import HEADER, PAYLOAD, PLACE, Candidates
-from meshmark.authentication.marks.ring_shapes import ring_shapes
+from meshmark.authentication.marks.ring_shapes import in_style, ring_shapes
 from meshmark.authentication.marks.rings import Rings
 from meshmark.authentication.marks.rings_of import rings_of
-from meshmark.authentication.parameters import UNIT
 from meshmark.coding.keys import Key
 from meshmark.geometry.shown import Shown
 from meshmark.geometry.surface import Surface
@@ -38,7 +37,7 @@ class Checks:
     model's id, None where the marks do not report one. carried: payload symbols of the marks that are believed;
     held: those of all marks that hold, also of those which the map rejects; more of them are wrong. symbol_bits: of
     each. step: that of a ring of spread 1, in scene units, as estimated
-    from the marks, 0 where there are none. log10_chance: bound on the chance that as many marks hold without the
+    from the marks, 0 where there are none; error: of a coordinate, that they were made for. log10_chance: bound on the chance that as many marks hold without the
     key. new_boundary: (p,) on a boundary now, though a mark next to it says that it was not. frame: of the marked
     model, None where it is not known. repeated: two marks that tell the id hold in rings that are alike, in
     different places.
@@ -52,6 +51,7 @@ class Checks:
     held: Carried
     symbol_bits: int
     step: float
+    error: float
     log10_chance: float
     new_boundary: NDArray[np.bool_]
     frame: ModelFrame | None
@@ -76,6 +76,7 @@ def check(surface: Surface, key: Key, nonce: int | None = None, payload: Expecte
     if setting is None:
         return _nothing(len(points))
     layout = setting.layout
+    shapes = [in_style(shape, setting.style) for shape in shapes]
     swept = sweep(points, list(zip(rings, shapes, strict=True)), setting, key, nonce=nonce, payload=payload)
     if swept is None:
         return _nothing(len(points))
@@ -92,7 +93,7 @@ def check(surface: Surface, key: Key, nonce: int | None = None, payload: Expecte
     able = swept.able | new_boundary
     outdone = _outdone(pairs, found.vertex, np.where(read.holds, read.off, np.inf), len(points))
     place = read.holds & (found.kind == PLACE) & ~outdone[found.vertex]
-    evidence = evidence_of(found.take(place), read.symbol[place], layout.symbol, setting.unit / UNIT)
+    evidence = evidence_of(found.take(place), read.symbol[place], layout.symbol, setting.error)
     linked = np.concatenate([pairs, _copied(surface, passed, setting.unit)])
     placed = in_place(
         surface.edges,
@@ -118,6 +119,7 @@ def check(surface: Surface, key: Key, nonce: int | None = None, payload: Expecte
         held=carried(found.take(held), read.symbol[held]),
         symbol_bits=layout.symbol,
         step=setting.unit,
+        error=setting.error,
         log10_chance=chance_of(found, read.holds, layout),
         new_boundary=new_boundary,
         frame=placed.frame,
@@ -212,6 +214,7 @@ def _nothing(count: int) -> Checks:
         held=none,
         symbol_bits=0,
         step=0.0,
+        error=0.0,
         log10_chance=0.0,
         new_boundary=no,
         frame=None,

@@ -12,7 +12,7 @@ from meshmark.authentication.checks.carried import Expected, carried
 from meshmark.authentication.marks.candidates import HEADER, PAYLOAD, PLACE, Candidates
 from meshmark.authentication.marks.symbols import header_symbols
 from meshmark.authentication.marks.words import bind, symbols_at
-from meshmark.authentication.parameters import LAYOUTS, LEVELS, Layout
+from meshmark.authentication.parameters import WAYS, Layout
 from meshmark.coding.keys import Key
 from meshmark.mesh import FloatArray, IntArray
 
@@ -101,4 +101,4 @@ def chance_of(found: Candidates, holds: NDArray[np.bool_], layout: Layout) -> fl
         return 0.0
     rest = 0.0 if share >= 1.0 else (1.0 - share) * log((1.0 - share) / (1.0 - luck))
     nats = total * (share * log(share / luck) + rest)
-    return min(0.0, log10(len(LAYOUTS) * len(LEVELS) * total) - nats / log(10.0))
+    return min(0.0, log10(WAYS * total) - nats / log(10.0))
