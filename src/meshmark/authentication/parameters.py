@@ -34,11 +34,14 @@ __all__ = [
 class Layout:
     """How the word of a mark is laid out.
 
-    bits: of the word; check: of these, the MAC; symbol: the rest. levels: values of each of three coordinates.
+    bits: of the word; check: of these, the MAC; symbol: the rest. rise: values of the coordinate along the ring's
+    normal, which is seen most; 0: as many as of the other two. radix: values of each of the three coordinates;
+    levels: most of them.
     """
 
     bits: int
     check: int
+    rise: int = 0
 
     @property
     def symbol(self) -> int:
@@ -47,8 +50,15 @@ class Layout:
 
     @property
     def levels(self) -> int:
-        """Return the smallest number whose third power has room for the words."""
-        return ceil(float(2.0 ** (self.bits / 3.0)) - 1e-9)
+        """Return the smallest number, of coordinates in the plane, with which there is room for the words."""
+        if not self.rise:
+            return ceil(float(2.0 ** (self.bits / 3.0)) - 1e-9)
+        return ceil(sqrt(2.0**self.bits / self.rise) - 1e-9)
+
+    @property
+    def radix(self) -> tuple[int, int, int]:
+        """Return how many values each coordinate has."""
+        return self.levels, self.levels, self.rise or self.levels
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -119,11 +129,11 @@ FINE: Final = Style(
 # Marks that bear a grid of 14 bits: as small as such an error lets them be (docs/decisions/0023-tolerance-web.md).
 WEB: Final = Style(
     pull=False,
-    unit=2.0 * 3.2 * _SIGMA,
+    unit=2.0 * 2.7 * _SIGMA,
     hash_least=10.0,
     tolerance=0.75,
     firm=1.0,
-    layouts=(Layout(10, 6), Layout(9, 5)),
+    layouts=(Layout(10, 6, 4), Layout(9, 5, 4)),
 )
 STYLES: Final = (FINE, WEB)
 # Ways to read a mark that are tried: layouts and levels of the step.

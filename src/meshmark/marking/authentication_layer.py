@@ -148,5 +148,9 @@ def _marked(base: Base, request: MarkRequest, planned: Planned, *, bound: bool) 
         )
     if precision.remark is not None:
         remarks += (precision.remark,)
-    count = AuthenticationMark(marks=marked.count, payload_bytes=len(unpack(packed).content))
-    return Authenticated(mesh=result, mark=count, remarks=remarks)
+    made = AuthenticationMark(
+        marks=marked.count,
+        payload_bytes=len(unpack(packed).content),
+        tolerance=request.tolerance or "default",
+    )
+    return Authenticated(mesh=result, mark=made, remarks=remarks)

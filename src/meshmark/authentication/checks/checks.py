@@ -40,7 +40,7 @@ class Checks:
     from the marks, 0 where there are none; error: of a coordinate, that they were made for. log10_chance: bound on the chance that as many marks hold without the
     key. new_boundary: (p,) on a boundary now, though a mark next to it says that it was not. frame: of the marked
     model, None where it is not known. repeated: two marks that tell the id hold in rings that are alike, in
-    different places.
+    different places. requantised: the marks bear a grid of 14 bits, and the coordinates were rounded about as coarsely.
     """
 
     eligible: NDArray[np.bool_]
@@ -56,6 +56,7 @@ class Checks:
     new_boundary: NDArray[np.bool_]
     frame: ModelFrame | None
     repeated: bool
+    requantised: bool = False
 
     @property
     def scale(self) -> Scale:
@@ -124,6 +125,7 @@ def check(surface: Surface, key: Key, nonce: int | None = None, payload: Expecte
         new_boundary=new_boundary,
         frame=placed.frame,
         repeated=bool(repeated.any()),
+        requantised=swept.rounded and not setting.style.pull,
     )
 
 

@@ -268,7 +268,7 @@ def _rms(parts: _Parts, chosen: NDArray[np.bool_], unit: float, layout: Layout) 
         some = shape.take(chosen[group.vertex])
         step = some.size * step_of(np.floor(level_of(some, unit)).astype(np.int64))
         square += float(step @ step)
-    return layout.levels * sqrt(square * 3.0 / 12.0 / len(chosen))
+    return sqrt(square * sum(each**2 for each in layout.radix) / 12.0 / len(chosen))
 
 
 def _plain(points: FloatArray, part: _Part, chosen: NDArray[np.bool_], unit: float, key: Key) -> Candidates:
