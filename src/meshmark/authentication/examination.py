@@ -204,7 +204,7 @@ def _packed(checks: Checks, key: Key, identity: int) -> tuple[bytes | None, Read
     reading = Reading(key=key, nonce=identity, symbol_bits=checks.symbol_bits, frame=None)
     for frame in dict.fromkeys((checks.frame, None)):
         reading = replace(reading, frame=frame)
-        for marks in (checks.carried, checks.held):
+        for marks in (checks.carried, checks.carried.take(checks.carried.plain), checks.held):
             index, value = reading.sure(marks)
             packed = decode(index, value, checks.symbol_bits) if len(index) else None
             if packed is not None:

@@ -10,6 +10,7 @@ __all__ = [
     "ALTERNATIVES",
     "AMBIGUOUS",
     "COVERING",
+    "DOUBTFUL",
     "FAR_AWAY",
     "FINE",
     "HASH_STEP",
@@ -36,12 +37,13 @@ class Layout:
 
     bits: of the word; check: of these, the MAC; symbol: the rest. rise: values of the coordinate along the ring's
     normal, which is seen most; 0: as many as of the other two. radix: values of each of the three coordinates;
-    levels: most of them.
+    levels: most of them. window: marks may be this number of times as far off as their median.
     """
 
     bits: int
     check: int
     rise: int = 0
+    window: float = 8.0
 
     @property
     def symbol(self) -> int:
@@ -131,10 +133,12 @@ WEB: Final = Style(
     pull=False,
     unit=2.0 * 2.7 * _SIGMA,
     hash_least=10.0,
-    tolerance=0.75,
+    tolerance=0.55,
     firm=1.0,
-    layouts=(Layout(10, 6, 4), Layout(9, 5, 4)),
+    layouts=(Layout(10, 6, 4, 2.0), Layout(9, 5, 4, 2.0)),
 )
 STYLES: Final = (FINE, WEB)
-# Ways to read a mark that are tried: layouts and levels of the step.
-WAYS: Final = len(LEVELS) * sum(len(style.layouts) for style in STYLES)
+# Pieces of the model's id for which two symbols are tried.
+DOUBTFUL: Final = 4
+# Ways to read marks that are tried: ids, levels of the step and layouts.
+WAYS: Final = 2**DOUBTFUL * len(LEVELS) * sum(len(style.layouts) for style in STYLES)

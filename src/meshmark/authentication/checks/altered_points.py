@@ -38,7 +38,7 @@ def altered_points(surface: Surface, checks: Checks) -> NDArray[np.bool_]:
     border = suspect & ~inner & (graph @ inner.astype(np.float64) > 0.0)
     altered = suspect & ~border
     if checks.requantised:
-        altered &= ~_few_together(surface, altered)
+        altered &= ~_few_together(surface, altered) | checks.new_boundary
     open_ = ~checks.eligible & ~checks.verified
     known = ~open_
     while open_.any():

@@ -18,6 +18,7 @@ from meshmark.authentication.marks.ring_shapes import in_style, ring_shapes
 from meshmark.authentication.marks.rings import Rings
 from meshmark.authentication.marks.rings_of import rings_of
 from meshmark.coding.keys import Key
+from meshmark.geometry.components import connected_components
 from meshmark.geometry.shown import Shown
 from meshmark.geometry.surface import Surface
 from meshmark.mesh import FloatArray, IntArray
@@ -91,6 +92,9 @@ def check(surface: Surface, key: Key, nonce: int | None = None, payload: Expecte
     whole = np.zeros(len(points), bool)
     whole[found.vertex[read.holds & ~read.new_boundary]] = True
     new_boundary = _new_boundary(rings, found.vertex[read.new_boundary], whole, 2 if swept.rounded else 1)
+    requantised = swept.rounded and not setting.style.pull
+    if requantised:
+        new_boundary = _torn(surface, rings, found.vertex[read.new_boundary], whole)
     able = swept.able | new_boundary
     outdone = _outdone(pairs, found.vertex, np.where(read.holds, read.off, np.inf), len(points))
     place = read.holds & (found.kind == PLACE) & ~outdone[found.vertex]
@@ -111,12 +115,13 @@ def check(surface: Surface, key: Key, nonce: int | None = None, payload: Expecte
     decoded &= ~_outdone(pairs, found.vertex, np.where(read.holds, read.off, np.inf), len(points))[
         found.vertex
     ]
+    plain = (np.bincount(found.vertex) == 1)[found.vertex]
     return Checks(
         eligible=able,
         passed=passed,
         verified=_vouched(pairs, passed) & ~new_boundary,
         nonce=swept.nonce,
-        carried=carried(found.take(decoded), read.symbol[decoded]),
+        carried=carried(found.take(decoded), read.symbol[decoded], plain[decoded]),
         held=carried(found.take(held), read.symbol[held]),
         symbol_bits=layout.symbol,
         step=setting.unit,
@@ -125,7 +130,7 @@ def check(surface: Surface, key: Key, nonce: int | None = None, payload: Expecte
         new_boundary=new_boundary,
         frame=placed.frame,
         repeated=bool(repeated.any()),
-        requantised=swept.rounded and not setting.style.pull,
+        requantised=requantised,
     )
 
 
@@ -174,6 +179,29 @@ def _new_boundary(
     return found & ~_vouched(pairs, whole)
 
 
+def _torn(
+    surface: Surface, rings: list[Rings], vertex: IntArray, whole: NDArray[np.bool_]
+) -> NDArray[np.bool_]:
+    """Return (p,): the boundary points of `_new_boundary` near which are those of another mark, too.
+
+    In a requantised file few marks see a rim at all, mostly one each of its points; by chance single ones do.
+    """
+    found = _new_boundary(rings, vertex, whole, 1)
+    rows = np.flatnonzero(found | (surface.graph @ found.astype(np.float64) > 0.0))
+    if not len(rows):
+        return found
+    part = np.full(len(found), -1)
+    part[rows] = connected_components(surface.graph[rows][:, rows])[1]
+    marks = np.zeros(len(found), bool)
+    marks[vertex] = True
+    pairs = _pairs(rings, marks)
+    pairs = pairs[found[pairs[:, 1]]]
+    pairs = np.unique(np.stack([pairs[:, 0], part[pairs[:, 1]]], axis=1), axis=0)
+    count = np.bincount(pairs[:, 1], minlength=int(part.max()) + 1)
+    found[rows] &= count[part[rows]] >= 2
+    return found
+
+
 def _pairs(rings: list[Rings], passed: NDArray[np.bool_]) -> IntArray:
     """Return (n, 2): each mark that holds, and each point of its ring."""
     parts = [np.empty((0, 2), np.int64)]
@@ -206,6 +234,7 @@ def _nothing(count: int) -> Checks:
         vertex=np.empty(0, np.int64),
         ring=np.empty(0, np.uint64),
         centre=np.empty((0, 3)),
+        plain=no[:0],
     )
     return Checks(
         eligible=no,

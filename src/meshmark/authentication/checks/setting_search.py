@@ -144,7 +144,7 @@ def _best(
         _, holds = symbols_at(found.whole, found.boundary, bound, layout)
         held = order[holds[order]]
         inside = held[slice(*_densest(size[held])[:2])]
-        held = held[off[held] <= window_of(off[inside])]
+        held = held[off[held] <= window_of(off[inside], layout)]
         first, last, least, most = _densest(size[held])
         if last - first > (best.count if best is not None else 0):
             middle, doubt = (least + most) / 2.0, (most - least) / 2.0
