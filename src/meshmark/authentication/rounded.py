@@ -12,11 +12,13 @@ from meshmark.authentication.examination import Examination
 from meshmark.geometry.kd_tree import kd_tree
 from meshmark.mesh import FloatArray, Mesh
 
-__all__ = ["Rounded", "rounded_everywhere"]
+__all__ = ["Requantised", "Rounded", "requantised", "rounded_everywhere"]
 
 # Sizes of the groups of neighbouring points that are looked at; the chance, among all groups, below which the
 # failures of one are no rounding; and the number of points that a lost mark leaves without one.
 _GROUPS, _CHANCE, _TOGETHER = (32, 64, 128), 1e-3, 4
+# A grid this much coarser than the error that marks were made for, as they tell it, is what they were made for.
+_SAME = 1.3
 # Where more of the points fail, what else was changed cannot be decided.
 _MOST = 0.5
 
@@ -33,6 +35,24 @@ class Rounded:
     clear: bool
 
 
+@dataclass(frozen=True, kw_only=True)
+class Requantised:
+    """An export that rounded positions no more coarsely than the marks bear. bits: of its grid, None: not known."""
+
+    bits: int | None
+
+
+def requantised(mesh: Mesh, found: Examination) -> Requantised | None:
+    """Return what an export did to the positions of a model whose marks bear it; None where it did nothing.
+
+    The grid is not known where each mesh of a scene has its own, or the model was turned since.
+    """
+    if not (found.marked and found.checks.requantised):
+        return None
+    coarse = coarse_digits(mesh.vertices)
+    return Requantised(bits=None if coarse is None else coarse.bits)
+
+
 def rounded_everywhere(mesh: Mesh, found: Examination) -> Rounded | None:
     """Return the rounding of the coordinates that explains why marks fail; None where none does.
 
@@ -42,7 +62,7 @@ def rounded_everywhere(mesh: Mesh, found: Examination) -> Rounded | None:
     if not found.marked or found.checks.new_boundary.any() or found.points_missing:
         return None
     coarse = coarse_digits(mesh.vertices)
-    if coarse is None or coarse.half <= found.checks.error:
+    if coarse is None or coarse.half <= _SAME * found.checks.error:
         return None
     of_vertex = found.surface.point_of_vertex
     off = np.zeros(len(found.surface.points), bool)
