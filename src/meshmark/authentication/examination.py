@@ -36,6 +36,8 @@ DOUBTFUL_LOG10 = -4.0
 """Between the two nothing is said."""
 # Area is missing where it is off by more than this number of deviations of the scale.
 _SURE = 3.0
+# Points that a grid of 14 bits may make one.
+_MERGED = 3
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -71,7 +73,7 @@ class Examination:
         missing = whole.points - points_shown(self.surface)
         if missing == 0 and whole.distinct and isinstance(self.surface, Shown):
             missing = whole.distinct - points_distinct(self.surface)
-        return missing
+        return 0 if self.checks.requantised and abs(missing) <= _MERGED else missing
 
     @cached_property
     def area_missing(self) -> float | None:

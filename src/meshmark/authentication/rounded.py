@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from meshmark.authentication.checks.coarse_digits import coarse_digits
 from meshmark.authentication.examination import Examination
+from meshmark.geometry.components import connected_components
 from meshmark.geometry.kd_tree import kd_tree
 from meshmark.mesh import FloatArray, Mesh
 
@@ -19,6 +20,9 @@ __all__ = ["Requantised", "Rounded", "requantised", "rounded_everywhere"]
 _GROUPS, _CHANCE, _TOGETHER = (32, 64, 128), 1e-3, 4
 # A grid this much coarser than the error that marks were made for, as they tell it, is what they were made for.
 _SAME = 1.3
+# Points that one of those without a mark may stand for; fewest places, and the most of the altered points that lie in
+# one of them, where points were removed by simplification.
+_REMOVED, _PLACES, _IN_ONE = 2.0, 3, 0.6
 # Where more of the points fail, what else was changed cannot be decided.
 _MOST = 0.5
 
@@ -37,9 +41,13 @@ class Rounded:
 
 @dataclass(frozen=True, kw_only=True)
 class Requantised:
-    """An export that rounded positions no more coarsely than the marks bear. bits: of its grid, None: not known."""
+    """An export that rounded positions no more coarsely than the marks bear.
+
+    bits: of its grid, None: not known. points_less: points that it removed here and there, as simplification does.
+    """
 
     bits: int | None
+    points_less: int = 0
 
 
 def requantised(mesh: Mesh, found: Examination) -> Requantised | None:
@@ -50,7 +58,25 @@ def requantised(mesh: Mesh, found: Examination) -> Requantised | None:
     if not (found.marked and found.checks.requantised):
         return None
     coarse = coarse_digits(mesh.vertices)
-    return Requantised(bits=None if coarse is None else coarse.bits)
+    return Requantised(bits=None if coarse is None else coarse.bits, points_less=_simplified(found))
+
+
+def _simplified(found: Examination) -> int:
+    """Return how many points were removed here and there; 0 where not, or where something else may explain it.
+
+    Each leaves points around it without a mark, in many places. One place with most of them is an edit, and a part
+    of its own that is gone leaves none.
+    """
+    missing, checks = found.points_missing or 0, found.checks
+    failing = checks.eligible & ~checks.verified
+    if missing <= 0 or missing > failing.sum() * _REMOVED or checks.new_boundary.any():
+        return 0
+    rows = np.flatnonzero(found.altered)
+    if len(rows):
+        count = np.bincount(connected_components(found.surface.graph[rows][:, rows])[1])
+        if len(count) < _PLACES or count.max() > _IN_ONE * len(rows):
+            return 0
+    return missing
 
 
 def rounded_everywhere(mesh: Mesh, found: Examination) -> Rounded | None:

@@ -139,7 +139,8 @@ def authenticate(mesh: Mesh, key: Key, *, reference: Certificate | Mesh | None =
     """
     start = perf_counter()
     found = examine(mesh, key, reference)
-    verdict = _verdict(found)
+    export = requantised(mesh, found)
+    verdict = "inconclusive" if export is not None and export.points_less else _verdict(found)
     causes = _causes(mesh, key, found, reference)
     if verdict == "authentic" and causes:
         verdict = "surface_intact"
@@ -147,7 +148,6 @@ def authenticate(mesh: Mesh, key: Key, *, reference: Certificate | Mesh | None =
     areas = found.surface.point_areas
     share = float(areas[altered].sum() / areas.sum())
     draw = partial(region_map, mesh, found, altered)
-    export = requantised(mesh, found)
     if found.marked and altered.any():
         drawn = draw()
         rounded = rounded_everywhere(mesh, found)
@@ -157,7 +157,7 @@ def authenticate(mesh: Mesh, key: Key, *, reference: Certificate | Mesh | None =
         else:
             advice = of_rounded(rounded, drawn.places_of(mesh.vertices, rounded.beyond))
         draw = partial(_same, drawn)
-    elif export is not None and verdict == "authentic":
+    elif export is not None and verdict in ("authentic", "inconclusive"):
         advice = of_requantised(export, verdict)
     else:
         advice = of_marks(verdict, found)

@@ -121,7 +121,8 @@ def _marked(base: Base, request: MarkRequest, planned: Planned, *, bound: bool) 
     """
     surface, precision = planned.plan.surface, planned.precision
     symbols, symbol_bits = len(np.unique(planned.plan.payload_index)), planned.plan.symbol_bits
-    whole = whole_of(surface, precision.error, scene_of(planned.mesh))
+    web = not precision.style.pull
+    whole = whole_of(surface, precision.error, scene_of(planned.mesh), web=web)
     whole = replace(whole, shown=request.shown, once=planned.plan.once)
     packed, remarks = content_for(request.content, surface, whole, symbols, symbol_bits)
     source = encoder(packed, symbol_bits, symbols)

@@ -42,8 +42,8 @@ def read_header(
 ) -> list[int]:
     """Return the ids that symbols (c,) report, the likeliest first: for each piece that with the most weight (c,).
 
-    Of the `DOUBTFUL` pieces that are least sure the next symbol is taken, too, in all combinations. Empty where a
-    piece has none.
+    Of the `DOUBTFUL` pieces that are least sure the next symbol is taken, too, in all combinations; or else of one
+    piece of few bits that has none, each. Empty where more have none.
     """
     width = _width(symbol_bits)
     count = ID_BITS // width
@@ -51,7 +51,11 @@ def read_header(
     votes = np.zeros((count, 1 << width))
     in_range = symbols < 1 << width
     np.add.at(votes, (piece[in_range], symbols[in_range]), weight[in_range])
-    if not votes.any(axis=1).all():
+    missing = np.flatnonzero(~votes.any(axis=1))
+    if len(missing) == 1 and width <= DOUBTFUL:
+        known = sum(int(value) << width * place for place, value in enumerate(votes.argmax(axis=1)))
+        return [known + (value << width * int(missing[0])) for value in range(1 << width)]
+    if len(missing):
         return []
     order = np.argsort(-votes, axis=1, kind="stable")[:, :2]
     first, second = np.take_along_axis(votes, order, axis=1).T
