@@ -10,7 +10,6 @@ __all__ = [
     "ALTERNATIVES",
     "AMBIGUOUS",
     "COVERING",
-    "DOUBTFUL",
     "FAR_AWAY",
     "FINE",
     "HASH_STEP",
@@ -23,6 +22,7 @@ __all__ = [
     "SPREAD",
     "STYLES",
     "SWAY",
+    "TRIED_IDS",
     "WAYS",
     "WEB",
     "WEB_GRID",
@@ -138,7 +138,7 @@ WEB: Final = Style(
     layouts=(Layout(10, 6, 4, 2.0), Layout(9, 5, 4, 2.0)),
 )
 STYLES: Final = (FINE, WEB)
-# Pieces of the model's id for which two symbols are tried.
-DOUBTFUL: Final = 4
+# Ids that are tried where some of their pieces are in doubt: all 16 values of one of 4 bits, two of another.
+TRIED_IDS: Final = 32
 # Ways to read marks that are tried: ids, levels of the step and layouts.
-WAYS: Final = 2**DOUBTFUL * len(LEVELS) * sum(len(style.layouts) for style in STYLES)
+WAYS: Final = TRIED_IDS * len(LEVELS) * sum(len(style.layouts) for style in STYLES)

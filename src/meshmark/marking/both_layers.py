@@ -28,6 +28,10 @@ __all__ = ["embed", "embed_for"]
 
 # Room for the upper layer is measured on a surface that then changes a little.
 _MORE = 1.1
+_PRICE = (
+    "the marks of authentication bear exports that round positions to 14 bits, as web pipelines do, and so carry "
+    "less payload; --tolerance default has more, but loses its marks in such exports"
+)
 
 
 @on_one_thread
@@ -175,10 +179,11 @@ def _first_that_fits(below: Owned | None, mesh: Mesh, request: MarkRequest) -> E
     if not request.web_first:
         return _within_budget(below, mesh, request)
     try:
-        return _within_budget(below, mesh, replace(request, tolerance="web"))
+        made = _within_budget(below, mesh, replace(request, tolerance="web"))
+        remark = _PRICE
     except CapacityError as error:
+        made = _within_budget(below, mesh, request)
         remark = f"exports that round positions to 14 bits, as web pipelines do, break the marks: {error}"
-    made = _within_budget(below, mesh, request)
     return replace(made, remarks=(*made.remarks, remark))
 
 

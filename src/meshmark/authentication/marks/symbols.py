@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshmark.authentication.marks.candidates import Candidates
-from meshmark.authentication.parameters import DOUBTFUL
+from meshmark.authentication.parameters import TRIED_IDS
 from meshmark.coding.keyed import unit_interval
 from meshmark.mesh import FloatArray, IntArray
 
@@ -42,8 +42,8 @@ def read_header(
 ) -> list[int]:
     """Return the ids that symbols (c,) report, the likeliest first: for each piece that with the most weight (c,).
 
-    Of the `DOUBTFUL` pieces that are least sure the next symbol is taken, too, in all combinations; or else of one
-    piece of few bits that has none, each. Empty where more have none.
+    Of the two pieces that are least sure others are taken, too, in all combinations, `TRIED_IDS` at most. Empty where
+    more pieces have no symbol.
     """
     width = _width(symbol_bits)
     count = ID_BITS // width
@@ -51,21 +51,17 @@ def read_header(
     votes = np.zeros((count, 1 << width))
     in_range = symbols < 1 << width
     np.add.at(votes, (piece[in_range], symbols[in_range]), weight[in_range])
-    missing = np.flatnonzero(~votes.any(axis=1))
-    if len(missing) == 1 and width <= DOUBTFUL:
-        known = sum(int(value) << width * place for place, value in enumerate(votes.argmax(axis=1)))
-        return [known + (value << width * int(missing[0])) for value in range(1 << width)]
-    if len(missing):
+    if (~votes.any(axis=1)).sum() > 1:
         return []
-    order = np.argsort(-votes, axis=1, kind="stable")[:, :2]
-    first, second = np.take_along_axis(votes, order, axis=1).T
-    best = [int(value) << width * place for place, value in enumerate(order[:, 0])]
-    change = [(int(value) << width * place) - best[place] for place, value in enumerate(order[:, 1])]
-    doubtful = np.argsort(first - second, kind="stable")[:DOUBTFUL]
-    return [
-        sum(best) + sum(change[place] for place, use in zip(doubtful, uses, strict=True) if use)
-        for uses in product((False, True), repeat=len(doubtful))
-    ]
+    order = np.argsort(-votes, axis=1, kind="stable")
+    ranked = np.take_along_axis(votes, order, axis=1)
+    weak, second = np.argsort(ranked[:, 0] - ranked[:, 1] + ranked[:, 0], kind="stable")[:2]
+    found = []
+    for other, value in product(order[second, :2], order[weak, : TRIED_IDS // 2]):
+        chosen = order[:, 0].copy()
+        chosen[weak], chosen[second] = value, other
+        found.append(sum(int(each) << width * place for place, each in enumerate(chosen)))
+    return found
 
 
 def covers_id(index: NDArray[np.uint32], symbol_bits: int) -> bool:
