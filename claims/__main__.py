@@ -41,10 +41,11 @@ COMMANDS = {
     "same_behaviour": "docs/decisions/0018-layout.md",
     "start_up": "docs/decisions/0015-by-hand-or-library.md",
     "visible_share": "docs/results/ownership.md",
+    "web_exports": "docs/decisions/0023-tolerance-web.md",
 }
 ALONE = {
     "authenticate_speed", "by_hand", "compressed_gltf", "costa", "false_alarms", "hostile", "lattice_labels",
-    "princeton", "published", "registration", "rivals_sanity", "same_behaviour",
+    "princeton", "published", "registration", "rivals_sanity", "same_behaviour", "web_exports",
 }  # fmt: skip
 
 

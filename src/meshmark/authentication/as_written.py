@@ -83,7 +83,7 @@ def _dropped(mesh: Mesh, key: Key, certificate: Certificate, written: float, car
     random = np.random.default_rng(keyed_words(key.subkey("roundings of a suspect"), 4))
     from scipy.special import stdtrit
 
-    error = precision_of(mesh, "tolerant")
+    error = precision_of(mesh, "web")
     kept, locks = [], []
     for _ in range(ROUNDINGS):
         rounded = reader.like(now, surface.points + random.uniform(-error, error, surface.points.shape))

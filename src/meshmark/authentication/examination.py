@@ -13,6 +13,8 @@ from meshmark.authentication.as_written import Since, since_written
 from meshmark.authentication.checks.altered_points import altered_points
 from meshmark.authentication.checks.carried import Expected, Reading
 from meshmark.authentication.checks.checks import Checks, check
+from meshmark.authentication.checks.coarse_digits import coarse_digits
+from meshmark.authentication.marks.precision import precision_of
 from meshmark.authentication.payload.payload import Payload, decode, unpack
 from meshmark.authentication.payload.signed_totals import points_distinct, points_shown, unmarked_parts
 from meshmark.certificate.binding import mismatch, refuse_edited
@@ -34,6 +36,8 @@ DOUBTFUL_LOG10 = -4.0
 """Between the two nothing is said."""
 # Area is missing where it is off by more than this number of deviations of the scale.
 _SURE = 3.0
+# Points that a grid of 14 bits may make one.
+_MERGED = 3
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -42,6 +46,7 @@ class Examination:
     None. marked: marks of authentication hold. altered: (p,) points, all of them where no mark holds.
     log10_false_positive: bound on the chance of the marks, or else of the id, without the key. payload: what the
     intact part carries, None where it is too little.
+    rounded: what coordinates were rounded to, where there is an id and no mark bears such a rounding.
     Where there is an id but no mark, ownership_only: the certificate says that there never was one; since: what is
     known of the model since it was written, by its certificate alone.
     remark: a sentence where the certificate is not this model's; nothing was taken from it then.
@@ -56,6 +61,7 @@ class Examination:
     payload: Payload | None = None
     ownership_only: bool = False
     since: Since = Since.UNKNOWN
+    rounded: str | None = None
     remark: str | None = None
 
     @property
@@ -67,7 +73,7 @@ class Examination:
         missing = whole.points - points_shown(self.surface)
         if missing == 0 and whole.distinct and isinstance(self.surface, Shown):
             missing = whole.distinct - points_distinct(self.surface)
-        return missing
+        return 0 if self.checks.requantised and abs(missing) <= _MERGED else missing
 
     @cached_property
     def area_missing(self) -> float | None:
@@ -180,7 +186,8 @@ def _examined(
     since = Since.UNKNOWN
     if own is not None and layers == "ownership":
         since = since_written(own, mesh, key)
-    elif layers == "both":
+    rounded = None if identity is None or layers == "ownership" else _rounded(mesh)
+    if layers == "both" and rounded is None:
         since = Since.CHANGED
     return Examination(
         surface=surface,
@@ -191,8 +198,15 @@ def _examined(
         log10_false_positive=checks.log10_chance if identity is None else found.log10_false_positive,
         ownership_only=layers == "ownership",
         since=since,
+        rounded=rounded,
         remark=remark,
     )
+
+
+def _rounded(mesh: Mesh) -> str | None:
+    """Return what coordinates were rounded to, more coarsely than a file needs to be."""
+    coarse = coarse_digits(mesh.vertices)
+    return None if coarse is None or coarse.half <= precision_of(mesh) else coarse.called
 
 
 def _packed(checks: Checks, key: Key, identity: int) -> tuple[bytes | None, Reading]:
@@ -204,7 +218,7 @@ def _packed(checks: Checks, key: Key, identity: int) -> tuple[bytes | None, Read
     reading = Reading(key=key, nonce=identity, symbol_bits=checks.symbol_bits, frame=None)
     for frame in dict.fromkeys((checks.frame, None)):
         reading = replace(reading, frame=frame)
-        for marks in (checks.carried, checks.held):
+        for marks in (checks.carried, checks.carried.take(checks.carried.plain), checks.held):
             index, value = reading.sure(marks)
             packed = decode(index, value, checks.symbol_bits) if len(index) else None
             if packed is not None:

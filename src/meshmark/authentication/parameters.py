@@ -11,20 +11,23 @@ __all__ = [
     "AMBIGUOUS",
     "COVERING",
     "FAR_AWAY",
-    "HASH_LEAST",
+    "FINE",
     "HASH_STEP",
     "HASH_STEPS",
-    "LAYOUTS",
     "LEVELS",
     "MARKS_NEEDED",
     "PSNR_LEAST",
     "PSNR_WANTED",
     "REACH",
     "SPREAD",
+    "STYLES",
     "SWAY",
-    "TOLERANCE",
-    "UNIT",
+    "TRIED_IDS",
+    "WAYS",
+    "WEB",
+    "WEB_GRID",
     "Layout",
+    "Style",
 ]
 
 
@@ -32,11 +35,15 @@ __all__ = [
 class Layout:
     """How the word of a mark is laid out.
 
-    bits: of the word; check: of these, the MAC; symbol: the rest. levels: values of each of three coordinates.
+    bits: of the word; check: of these, the MAC; symbol: the rest. rise: values of the coordinate along the ring's
+    normal, which is seen most; 0: as many as of the other two. radix: values of each of the three coordinates;
+    levels: most of them. window: marks may be this number of times as far off as their median.
     """
 
     bits: int
     check: int
+    rise: int = 0
+    window: float = 8.0
 
     @property
     def symbol(self) -> int:
@@ -45,16 +52,36 @@ class Layout:
 
     @property
     def levels(self) -> int:
-        """Return the smallest number whose third power has room for the words."""
-        return ceil(float(2.0 ** (self.bits / 3.0)) - 1e-9)
+        """Return the smallest number, of coordinates in the plane, with which there is room for the words."""
+        if not self.rise:
+            return ceil(float(2.0 ** (self.bits / 3.0)) - 1e-9)
+        return ceil(sqrt(2.0**self.bits / self.rise) - 1e-9)
+
+    @property
+    def radix(self) -> tuple[int, int, int]:
+        """Return how many values each coordinate has."""
+        return self.levels, self.levels, self.rise or self.levels
 
 
-# 6 bits of MAC let one altered mark in 64 through, fewer where marks lie near their whole places (`checks`); room
-# above 10 bits of symbol goes to the MAC.
-LAYOUTS: Final = {
-    bits: Layout(bits, check)
-    for bits, check in {18: 8, 17: 7, 16: 6, 15: 6, 14: 6, 13: 6, 12: 6, 11: 6, 10: 6}.items()
-}
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Style:
+    """One of the two ways in which marks are made; a reader tries both.
+
+    pull: the place of a mark is the point less a +-1 sum of its ring, else less the ring's mean: then errors grow
+    a third as much, and so does what a neighbour that was moved does to it. unit: the smallest step, in units of
+    the largest error of a coordinate. hash_least: fewest steps of a unit of the ring's lengths. tolerance: number of
+    steps over the ring's spread by which a length may be off. firm: how far, over the spread, a turning ring may
+    swing a point. layouts: by their bits, most first.
+    """
+
+    pull: bool
+    unit: float
+    hash_least: float
+    tolerance: float
+    firm: float
+    layouts: tuple[Layout, ...]
+
+
 # Step of a ring in units of its size: 2^(-level / 2), which keeps the step in scene units within a factor 1.42.
 LEVELS: Final = range(8, 39)
 # Marks move at most half of this, in ring sizes, along each axis.
@@ -64,22 +91,16 @@ SPREAD: Final = 5.0
 # A mark at the end of its reach moves by at most this share of a step (standard deviation) as errors turn the frame
 # of its ring; half a step is more than four of the deviations that the step is made for, 0.12 each.
 SWAY: Final = 0.05
-# The smallest step, in units of the largest error of a coordinate. Half of it is 4.3 standard deviations of the
-# error of the mark's place, as the spread predicts it; measured on the training models it is 0.7 of that at most,
-# so half a step is 5.7 deviations.
-UNIT: Final = 2.0 * 4.3 / sqrt(3.0)
 # The error of 32-bit floats, over the diagonal, when the model lies six diagonals from the origin: scaled down to a
 # seventh and moved away by one diagonal of before.
 FAR_AWAY: Final = 4.5e-7
+# Half the step of a grid of 14 bits, over the longest side.
+WEB_GRID: Final = 2.0**-15
 # The ring's hash takes its lengths in units of HASH_STEPS steps, but of no more than HASH_STEP ring sizes, unless
-# HASH_LEAST steps are more: in the rings of a subdivided surface four lengths each are alike, near a boundary all
-# at once.
+# the style's least number of steps is more: in the rings of a subdivided surface four lengths each are alike, near
+# a boundary all at once.
 HASH_STEPS: Final = 32.0
 HASH_STEP: Final = 1.0 / 16.0
-HASH_LEAST: Final = 6.0
-# A length of the ring may be off by this number of steps over the ring's spread: the error of two points, not of a
-# ring.
-TOLERANCE: Final = 1.0
 # Most lengths of a ring that may be near a rounding boundary, and most neighbours that may be the farthest.
 AMBIGUOUS: Final = 3
 ALTERNATIVES: Final = 8
@@ -90,3 +111,34 @@ PSNR_LEAST: Final = 70.0
 COVERING: Final = 0.95
 # Fewer marks cannot carry the model's id.
 MARKS_NEEDED: Final = 40
+
+_SIGMA: Final = 1.0 / sqrt(3.0)
+# Half a step is 4.3 standard deviations of the error of the mark's place, as the spread predicts it; measured on the
+# training models it is 0.7 of that at most, so half a step is 5.7 deviations. 6 bits of MAC let one altered mark in
+# 64 through, fewer where marks lie near their whole places (`checks`); room above 10 bits of symbol goes to the MAC.
+# A length is off by the error of two points, not of a ring.
+FINE: Final = Style(
+    pull=True,
+    unit=2.0 * 4.3 * _SIGMA,
+    hash_least=6.0,
+    tolerance=1.0,
+    firm=4.0,
+    layouts=tuple(
+        Layout(bits, check)
+        for bits, check in {18: 8, 17: 7, 16: 6, 15: 6, 14: 6, 13: 6, 12: 6, 11: 6, 10: 6}.items()
+    ),
+)
+# Marks that bear a grid of 14 bits: as small as such an error lets them be (docs/decisions/0023-tolerance-web.md).
+WEB: Final = Style(
+    pull=False,
+    unit=2.0 * 2.7 * _SIGMA,
+    hash_least=10.0,
+    tolerance=0.55,
+    firm=1.0,
+    layouts=(Layout(10, 6, 4, 2.0), Layout(9, 5, 4, 2.0)),
+)
+STYLES: Final = (FINE, WEB)
+# Ids that are tried where some of their pieces are in doubt: all 16 values of one of 4 bits, two of another.
+TRIED_IDS: Final = 32
+# Ways to read marks that are tried: ids, levels of the step and layouts.
+WAYS: Final = TRIED_IDS * len(LEVELS) * sum(len(style.layouts) for style in STYLES)

@@ -9,15 +9,20 @@ from numpy.typing import NDArray
 
 from meshmark.authentication.checks.coarse_digits import coarse_digits
 from meshmark.authentication.examination import Examination
-from meshmark.authentication.parameters import UNIT
+from meshmark.geometry.components import connected_components
 from meshmark.geometry.kd_tree import kd_tree
 from meshmark.mesh import FloatArray, Mesh
 
-__all__ = ["Rounded", "rounded_everywhere"]
+__all__ = ["Requantised", "Rounded", "requantised", "rounded_everywhere"]
 
 # Sizes of the groups of neighbouring points that are looked at; the chance, among all groups, below which the
 # failures of one are no rounding; and the number of points that a lost mark leaves without one.
 _GROUPS, _CHANCE, _TOGETHER = (32, 64, 128), 1e-3, 4
+# A grid this much coarser than the error that marks were made for, as they tell it, is what they were made for.
+_SAME = 1.3
+# Points that one of those without a mark may stand for; fewest places, and the most of the altered points that lie in
+# one of them, where points were removed by simplification.
+_REMOVED, _PLACES, _IN_ONE = 2.0, 3, 0.6
 # Where more of the points fail, what else was changed cannot be decided.
 _MOST = 0.5
 
@@ -34,6 +39,46 @@ class Rounded:
     clear: bool
 
 
+@dataclass(frozen=True, kw_only=True)
+class Requantised:
+    """An export that rounded positions no more coarsely than the marks bear.
+
+    bits: of its grid, None: not known. points_less: points that it removed here and there, as simplification does.
+    """
+
+    bits: int | None
+    points_less: int = 0
+
+
+def requantised(mesh: Mesh, found: Examination) -> Requantised | None:
+    """Return what an export did to the positions of a model whose marks bear it; None where it did nothing.
+
+    The grid is not known where each mesh of a scene has its own, or the model was turned since.
+    """
+    if not (found.marked and found.checks.requantised):
+        return None
+    coarse = coarse_digits(mesh.vertices)
+    return Requantised(bits=None if coarse is None else coarse.bits, points_less=_simplified(found))
+
+
+def _simplified(found: Examination) -> int:
+    """Return how many points were removed here and there; 0 where not, or where something else may explain it.
+
+    Each leaves points around it without a mark, in many places. One place with most of them is an edit, and a part
+    of its own that is gone leaves none.
+    """
+    missing, checks = found.points_missing or 0, found.checks
+    failing = checks.eligible & ~checks.verified
+    if missing <= 0 or missing > failing.sum() * _REMOVED or checks.new_boundary.any():
+        return 0
+    rows = np.flatnonzero(found.altered)
+    if len(rows):
+        count = np.bincount(connected_components(found.surface.graph[rows][:, rows])[1])
+        if len(count) < _PLACES or count.max() > _IN_ONE * len(rows):
+            return 0
+    return missing
+
+
 def rounded_everywhere(mesh: Mesh, found: Examination) -> Rounded | None:
     """Return the rounding of the coordinates that explains why marks fail; None where none does.
 
@@ -43,7 +88,7 @@ def rounded_everywhere(mesh: Mesh, found: Examination) -> Rounded | None:
     if not found.marked or found.checks.new_boundary.any() or found.points_missing:
         return None
     coarse = coarse_digits(mesh.vertices)
-    if coarse is None or coarse.half <= found.checks.step / UNIT:
+    if coarse is None or coarse.half <= _SAME * found.checks.error:
         return None
     of_vertex = found.surface.point_of_vertex
     off = np.zeros(len(found.surface.points), bool)

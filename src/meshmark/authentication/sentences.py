@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from meshmark.authentication.as_written import WRONG_LOG10
 from meshmark.authentication.examination import Examination
 from meshmark.authentication.regions.region import Region
-from meshmark.authentication.rounded import Rounded
+from meshmark.authentication.rounded import Requantised, Rounded
 from meshmark.authentication.shown_otherwise import Cause
 
-__all__ = ["of_altered", "of_causes", "of_marks", "of_number", "of_rounded"]
+__all__ = ["of_altered", "of_causes", "of_marks", "of_number", "of_requantised", "of_rounded"]
 
 
 def of_marks(verdict: str, found: Examination) -> str:
@@ -47,6 +47,11 @@ def _of_id(verdict: str, found: Examination) -> str:
         return (
             "It carries the owner's id, and was marked without the authentication layer: no change shows, but "
             "whether there was none cannot be told."
+        )
+    if found.rounded is not None:
+        return (
+            f"It carries the owner's id, but was rounded to {found.rounded} everywhere, and no mark of authentication "
+            "bears that: whether more was changed cannot be told."
         )
     return (
         "It carries the owner's id, but no mark of authentication: it was marked without that layer, or changed "
@@ -91,6 +96,17 @@ def of_rounded(rounded: Rounded, beyond: Sequence[str]) -> str:
     if not rounded.clear:
         return f"{text}: too few marks are left to tell whether more was changed."
     return f"{text}; no larger part was changed beyond that."
+
+
+def of_requantised(export: Requantised, verdict: str) -> str:
+    """Return the sentence, or its beginning, of a model that an export rounded as its marks bear."""
+    bits = "" if export.bits is None else f" to {export.bits} bits"
+    if export.points_less:
+        return (
+            f"Requantised{bits} and simplified: {export.points_less:,} points are fewer, here and there; whether more "
+            "was changed in these places cannot be told, elsewhere nothing was."
+        )
+    return f"Requantised{bits}, otherwise as signed off." if verdict == "authentic" else f"Requantised{bits}; "
 
 
 def of_causes(causes: Sequence[Cause], verdict: str) -> str:

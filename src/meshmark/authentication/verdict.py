@@ -16,8 +16,8 @@ from meshmark.authentication.examination import DOUBTFUL_LOG10, Examination, exa
 from meshmark.authentication.payload.payload import Payload
 from meshmark.authentication.regions.region import Region
 from meshmark.authentication.regions.region_map import RegionMap, region_map
-from meshmark.authentication.rounded import rounded_everywhere
-from meshmark.authentication.sentences import of_altered, of_causes, of_marks, of_rounded
+from meshmark.authentication.rounded import Requantised, requantised, rounded_everywhere
+from meshmark.authentication.sentences import of_altered, of_causes, of_marks, of_requantised, of_rounded
 from meshmark.authentication.shown_otherwise import Cause, causes_of
 from meshmark.certificate.certificate import Certificate
 from meshmark.coding.chance import band, believable
@@ -40,7 +40,8 @@ class Authentication:
 
     verdict: "authentic", "surface_intact" (but the file shows something else), "altered", "not_marked" or
     "inconclusive" (also where there is the id alone, and nothing tells whether the model was changed); causes: why
-    the file shows something else than what was signed off; altered: (n,) which vertices of the file were
+    the file shows something else than what was signed off; requantised: an export rounded the positions as the marks
+    bear it, which alters nothing; altered: (n,) which vertices of the file were
     moved, made or laid bare. altered_area_fraction: of the surface, 0 to 1. missing_area_fraction: of the surface
     that was signed off; points_missing: of its points, below 0 where there are more; both None where not known.
     payload: "recovered", "partial" or "none"; content: what was recovered. id: or None.
@@ -64,6 +65,7 @@ class Authentication:
     seconds: float
     draw: Callable[[], RegionMap] = field(repr=False)
     causes: tuple[Cause, ...] = ()
+    requantised: Requantised | None = None
 
     @cached_property
     def _map(self) -> RegionMap:
@@ -90,6 +92,8 @@ class Authentication:
         return {
             "verdict": self.verdict,
             "causes": [cause.to_dict() for cause in self.causes],
+            "requantised": self.requantised is not None,
+            "requantised_bits": None if self.requantised is None else self.requantised.bits,
             "altered_vertices": self.altered_vertices,
             "altered_area_fraction": self.altered_area_fraction,
             "missing_area_fraction": self.missing_area_fraction,
@@ -135,7 +139,8 @@ def authenticate(mesh: Mesh, key: Key, *, reference: Certificate | Mesh | None =
     """
     start = perf_counter()
     found = examine(mesh, key, reference)
-    verdict = _verdict(found)
+    export = requantised(mesh, found)
+    verdict = "inconclusive" if export is not None and export.points_less else _verdict(found)
     causes = _causes(mesh, key, found, reference)
     if verdict == "authentic" and causes:
         verdict = "surface_intact"
@@ -147,10 +152,13 @@ def authenticate(mesh: Mesh, key: Key, *, reference: Certificate | Mesh | None =
         drawn = draw()
         rounded = rounded_everywhere(mesh, found)
         if rounded is None:
-            advice = of_altered(found, drawn.regions, drawn.places(), share)
+            begin = "" if export is None else of_requantised(export, verdict)
+            advice = begin + of_altered(found, drawn.regions, drawn.places(), share)
         else:
             advice = of_rounded(rounded, drawn.places_of(mesh.vertices, rounded.beyond))
         draw = partial(_same, drawn)
+    elif export is not None and verdict in ("authentic", "inconclusive"):
+        advice = of_requantised(export, verdict)
     else:
         advice = of_marks(verdict, found)
     if causes:
@@ -173,6 +181,7 @@ def authenticate(mesh: Mesh, key: Key, *, reference: Certificate | Mesh | None =
         seconds=perf_counter() - start,
         draw=draw,
         causes=causes,
+        requantised=export,
     )
 
 

@@ -49,6 +49,7 @@ class Tolerance(StrEnum):
     strict = "strict"
     default = "default"
     tolerant = "tolerant"
+    web = "web"
 
 
 class Search(StrEnum):

@@ -109,8 +109,9 @@ class _UnplacedError(_UnreadError):
 def _choices(planned: Planned, key: Key) -> Iterator[Planned]:
     """Yield the plan, then those of other keyed choices of points."""
     yield planned
+    surface, precision = planned.plan.surface, planned.precision
     for choice in range(1, _CHOICES):
-        yield replace(planned, plan=plan(planned.plan.surface, key, planned.precision.error, choice))
+        yield replace(planned, plan=plan(surface, key, precision.error, choice, precision.style))
 
 
 def _marked(base: Base, request: MarkRequest, planned: Planned, *, bound: bool) -> Authenticated:
@@ -120,7 +121,8 @@ def _marked(base: Base, request: MarkRequest, planned: Planned, *, bound: bool) 
     """
     surface, precision = planned.plan.surface, planned.precision
     symbols, symbol_bits = len(np.unique(planned.plan.payload_index)), planned.plan.symbol_bits
-    whole = whole_of(surface, precision.error, scene_of(planned.mesh))
+    web = not precision.style.pull
+    whole = whole_of(surface, precision.error, scene_of(planned.mesh), web=web)
     whole = replace(whole, shown=request.shown, once=planned.plan.once)
     packed, remarks = content_for(request.content, surface, whole, symbols, symbol_bits)
     source = encoder(packed, symbol_bits, symbols)
@@ -147,5 +149,9 @@ def _marked(base: Base, request: MarkRequest, planned: Planned, *, bound: bool) 
         )
     if precision.remark is not None:
         remarks += (precision.remark,)
-    count = AuthenticationMark(marks=marked.count, payload_bytes=len(unpack(packed).content))
-    return Authenticated(mesh=result, mark=count, remarks=remarks)
+    made = AuthenticationMark(
+        marks=marked.count,
+        payload_bytes=len(unpack(packed).content),
+        tolerance=request.tolerance or "default",
+    )
+    return Authenticated(mesh=result, mark=made, remarks=remarks)

@@ -13,7 +13,7 @@ from meshmark.coding.keys import Key
 from meshmark.errors import CapacityError
 from meshmark.marking.authentication_layer import Base, with_authentication
 from meshmark.marking.embedding_result import Embedding
-from meshmark.marking.mark_request import MarkRequest
+from meshmark.marking.mark_request import WEB_FORMATS, MarkRequest
 from meshmark.marking.repeated_mesh import embed_repeated
 from meshmark.marking.verification import verify
 from meshmark.mesh import Mesh
@@ -24,10 +24,14 @@ from meshmark.scene.distinct import distinct
 from meshmark.strengths import BUDGETS
 from meshmark.threads import on_one_thread
 
-__all__ = ["embed"]
+__all__ = ["embed", "embed_for"]
 
 # Room for the upper layer is measured on a surface that then changes a little.
 _MORE = 1.1
+_PRICE = (
+    "the marks of authentication bear exports that round positions to 14 bits, as web pipelines do, and so carry "
+    "less payload; --tolerance default has more, but loses its marks in such exports"
+)
 
 
 @on_one_thread
@@ -59,8 +63,10 @@ def embed(
         "miniature" (of the model, for its recovery), "none", bytes, or the path of a file. By default a miniature,
         or none where it does not fit.
     tolerance : str, optional
-        "strict", or "tolerant" of exports that round coordinates to 16 bits or six digits; "default": of six digits
-        where the payload need not suffer (`precisions_of`). Without it, "default", but the layer may be left out.
+        "strict", "tolerant" of exports that round coordinates to 16 bits or six digits, or "web", of those that round
+        them to 14 bits, as web pipelines do; "default": of six digits where the payload need not suffer
+        (`precisions_of`). Without it, "web" for a glTF where there is room, else "default", but the layer may be
+        left out.
 
     Returns
     -------
@@ -73,17 +79,29 @@ def embed(
     CapacityError
         The mesh cannot carry what is asked for.
     """
-    from meshmark.marking.undo import sealed
-
     start = perf_counter()
     request = MarkRequest.checked(
         key, id=id, strength=strength, layers=layers, payload=payload, tolerance=tolerance
     )
-    request = replace(request, shown=packed_deviations(mesh.document))
+    goes_to = None if mesh.document is None else mesh.document.format
+    return replace(embed_for(mesh, request, goes_to), seconds=perf_counter() - start)
+
+
+@on_one_thread
+def embed_for(mesh: Mesh, request: MarkRequest, goes_to: str | None) -> Embedding:
+    """Mark a mesh as requested for a file of a format, a key of `io.FORMATS`; None for no file.
+
+    Raises what `embed` raises.
+    """
+    from meshmark.marking.undo import sealed
+
+    start = perf_counter()
+    web = request.tolerance is None and goes_to in WEB_FORMATS
+    request = replace(request, shown=packed_deviations(mesh.document), web_first=web)
     once = distinct(mesh)  # copies of one mesh are marked as one
     original = mesh if once is None else once.mesh
     made = _marked(original, request)
-    seal = partial(sealed, original=original, marked=made.mesh, key=key, identity=request.id)
+    seal = partial(sealed, original=original, marked=made.mesh, key=request.key, identity=request.id)
     if once is not None:
         whole = once.whole(made.mesh.vertices)
         made = replace(made, mesh=whole, displacement=vertex_displacement(once.scene, whole))
@@ -112,7 +130,7 @@ class _OverBudgetError(CapacityError):
 def _marked(mesh: Mesh, request: MarkRequest) -> Embedding:
     """Return the layers that are asked for, read back."""
     if request.layers == "authentication":
-        return _on_top(None, mesh, request)
+        return _first_that_fits(None, mesh, request)
     if request.layers == "ownership":
         return _verified(_with_id(mesh, request), mesh, request)
     try:
@@ -151,18 +169,33 @@ def _both(mesh: Mesh, request: MarkRequest) -> Embedding:
     except CapacityError as error:
         raise CapacityError(f"{error}{_authentication_alone(mesh, request)}") from None
     try:
+        return _first_that_fits(below, mesh, request)
+    except CapacityError as error:
+        raise _NoRoomError(below, str(error)) from None
+
+
+def _first_that_fits(below: Owned | None, mesh: Mesh, request: MarkRequest) -> Embedding:
+    """Return the authentication layer with the first of the tolerances that may be chosen; a remark says which not."""
+    if not request.web_first:
+        return _within_budget(below, mesh, request)
+    try:
+        made = _within_budget(below, mesh, replace(request, tolerance="web"))
+        remark = _PRICE
+    except CapacityError as error:
+        made = _within_budget(below, mesh, request)
+        remark = f"exports that round positions to 14 bits, as web pipelines do, break the marks: {error}"
+    return replace(made, remarks=(*made.remarks, remark))
+
+
+def _within_budget(below: Owned | None, mesh: Mesh, request: MarkRequest) -> Embedding:
+    """Return the layer on the one below, which is made anew with less of the budget where both are too much."""
+    try:
         return _on_top(below, mesh, request)
     except _OverBudgetError as error:
         reserve = _MORE * error.share
-        if reserve >= BUDGETS[request.strength]:
-            raise _NoRoomError(below, str(error)) from None
-        below = _with_id(mesh, request, reserve)
-        try:
-            return _on_top(below, mesh, request)
-        except CapacityError as again:
-            raise _NoRoomError(below, str(again)) from None
-    except CapacityError as error:
-        raise _NoRoomError(below, str(error)) from None
+        if below is None or reserve >= BUDGETS[request.strength]:
+            raise
+    return _on_top(_with_id(mesh, request, reserve), mesh, request)
 
 
 def _authentication_alone(mesh: Mesh, request: MarkRequest) -> str:

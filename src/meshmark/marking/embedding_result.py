@@ -24,11 +24,13 @@ __all__ = ["AuthenticationMark", "Embedding"]
 class AuthenticationMark:
     """Marks of the authentication layer that were read back.
 
-    marks: number of vertices that carry one. payload_bytes: of content in the payload.
+    marks: number of vertices that carry one. payload_bytes: of content in the payload. tolerance: what the marks
+    bear, "strict", "default", "tolerant" or "web".
     """
 
     marks: int
     payload_bytes: int
+    tolerance: str
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -130,6 +132,7 @@ class Embedding:
             "carriers": self.carriers,
             "mark_vertices": self.mark_vertices,
             "payload_bytes": self.payload_bytes,
+            "tolerance": None if self.authentication is None else self.authentication.tolerance,
             "rms_over_diagonal": self.rms_over_diagonal,
             "max_over_diagonal": self.max_over_diagonal,
             "psnr_db": None if isinf(psnr) else psnr,

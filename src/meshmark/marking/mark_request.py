@@ -11,9 +11,11 @@ from meshmark.coding.message import check_id, random_id
 from meshmark.errors import InputError
 from meshmark.strengths import check_strength
 
-__all__ = ["LAYERS", "MarkRequest"]
+__all__ = ["LAYERS", "WEB_FORMATS", "MarkRequest"]
 
 LAYERS: Final = ("both", "ownership", "authentication")
+WEB_FORMATS: Final = ("glb", "gltf")
+"""Files that web pipelines round: their marks bear it where there is room, unless another tolerance is named."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -21,7 +23,7 @@ class MarkRequest:
     """The arguments of `embed`, checked, with the payload's file read and the id drawn.
 
     layers: one of `LAYERS`, None for both where they fit. tolerance: as in `precisions_of`. optional: the
-    authentication layer may be left out where it does not fit. shown: how the model's file shows something else
+    authentication layer may be left out where it does not fit. web_first: the tolerance "web" is tried first. shown: how the model's file shows something else
     than its surface (`shown_otherwise.packed_deviations`).
     """
 
@@ -32,6 +34,7 @@ class MarkRequest:
     content: Asked
     tolerance: str | None
     optional: bool
+    web_first: bool = False
     shown: bytes = b""
 
     @classmethod

@@ -13,9 +13,11 @@ from meshmark.authentication.payload.content import Content
 from meshmark.coding.keys import Key
 from meshmark.geometry.surface_of import surface_of_moved
 from meshmark.io import Staging, check_extension, check_recompression, read_mesh, uncompressed, write_mesh
+from meshmark.io.formats import format_of_name
 from meshmark.io.source import SourceFile
-from meshmark.marking.both_layers import embed
+from meshmark.marking.both_layers import embed_for
 from meshmark.marking.embedding_result import Embedding
+from meshmark.marking.mark_request import MarkRequest
 from meshmark.marking.undo import sealed
 from meshmark.marking.verification import verify
 from meshmark.mesh import Mesh
@@ -74,7 +76,10 @@ def embed_file(
     check_extension(Path(out), source)
     if recompress:
         check_recompression(mesh, Path(out))
-    result = embed(mesh, key, id=id, strength=strength, layers=layers, payload=payload, tolerance=tolerance)
+    request = MarkRequest.checked(
+        key, id=id, strength=strength, layers=layers, payload=payload, tolerance=tolerance
+    )
+    result = embed_for(mesh, request, _goes_to(mesh, Path(out)))
     seen: list[Mesh] = []
 
     def read_back(written: Path) -> None:
@@ -93,6 +98,14 @@ def embed_file(
         remarks += (f"{Path(out).name} cannot hold the model's {', '.join(report.dropped)}",)
     result = _as_written(result, mesh, seen[0], key)
     return replace(result, seconds=perf_counter() - start, remarks=remarks)
+
+
+def _goes_to(mesh: Mesh, out: Path) -> str | None:
+    """Return the format of the file to be written: that of its name, else that of the input."""
+    named = format_of_name(out)
+    if named is not None:
+        return named.name
+    return None if mesh.document is None else mesh.document.format
 
 
 def _as_written(result: Embedding, original: Mesh, written: Mesh, key: Key) -> Embedding:

@@ -69,6 +69,23 @@ def _grid_of_cells(vertices: FloatArray) -> FloatArray:
     return _on_grid(vertices, np.ptp(vertices, axis=0), 2.0**16)
 
 
+def _packed(vertices: FloatArray) -> FloatArray:
+    """Round as gltfpack and Draco do with 14 bits: whole steps from the least corner, the longest side has all."""
+    return _on_grid(vertices, np.full(3, np.ptp(vertices, axis=0).max()), 2.0**14 - 1.0)
+
+
+def _halves(vertices: FloatArray) -> FloatArray:
+    """Round as glTF-Transform does with 14 bits: a sign and 13 bits from the middle, stretched to 16 bits."""
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    middle, half = (low + high) / 2.0, float((high - low).max()) / 2.0
+    if half == 0.0:
+        return vertices
+    share = (vertices - middle) / half
+    whole = np.rint(np.abs(share) * (2**13 - 1)).astype(np.int64)
+    stored = (whole << 2) | (whole >> 11)
+    return np.asarray(middle + half * np.sign(share) * stored / (2.0**15 - 1.0))
+
+
 ROUNDINGS: Final[dict[str, tuple[Rounding, str]]] = {
     "turned": (_turned, "turning, scaling and moving in 32-bit floats"),
     "floats": (_floats, "32-bit floats"),
@@ -77,6 +94,8 @@ ROUNDINGS: Final[dict[str, tuple[Rounding, str]]] = {
     "axes": (_grid_of_axes, "a grid of 16 bits on each axis"),
     "cells": (_grid_of_cells, "a grid of 16 bits on each axis"),
     "side": (_grid_of_side, "a grid of 16 bits on the longest side"),
+    "packed": (_packed, "a grid of 14 bits as gltfpack and Draco choose it"),
+    "halves": (_halves, "a grid of 14 bits as glTF-Transform chooses it"),
 }
 """Name of a rounding: what it does to vertices (n, 3), and what it is called."""
 

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshmark.authentication.checks.checks import Checks
+from meshmark.geometry.components import connected_components
 from meshmark.geometry.open_edges import open_edges
 from meshmark.geometry.surface import Surface
 
@@ -14,6 +15,9 @@ __all__ = ["altered_points"]
 # A point on the border of an altered part with this share of neighbours that are vouched for was not altered
 # itself.
 _VOUCHED = 0.55
+# In a requantised file up to this number of failing points that hang together are rounding's: a mark that it broke
+# leaves mostly one, at most three without a voucher.
+_ROUNDING = 4
 
 
 def altered_points(surface: Surface, checks: Checks) -> NDArray[np.bool_]:
@@ -21,7 +25,7 @@ def altered_points(surface: Surface, checks: Checks) -> NDArray[np.bool_]:
 
     A point without a mark that holds next to it is altered, but for the border of a larger altered part: marks
     there fail for the sake of one neighbour, and leave intact ones without a voucher (not so where the surface
-    ends). Points whose rings carry no marks are judged as the nearest that do, an altered one before an intact
+    ends). In a requantised file rounding breaks single marks, so few points together are not altered. Points whose rings carry no marks are judged as the nearest that do, an altered one before an intact
     one.
     """
     count, graph = len(surface.points), surface.graph
@@ -33,6 +37,8 @@ def altered_points(surface: Surface, checks: Checks) -> NDArray[np.bool_]:
     inner[end] = suspect[end]
     border = suspect & ~inner & (graph @ inner.astype(np.float64) > 0.0)
     altered = suspect & ~border
+    if checks.requantised:
+        altered &= ~_few_together(surface, altered) | checks.new_boundary
     open_ = ~checks.eligible & ~checks.verified
     known = ~open_
     while open_.any():
@@ -44,3 +50,14 @@ def altered_points(surface: Surface, checks: Checks) -> NDArray[np.bool_]:
         known |= reached
         open_ &= ~reached
     return np.asarray(altered)
+
+
+def _few_together(surface: Surface, altered: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return (p,): the altered points that hang together with at most `_ROUNDING` in all."""
+    few = np.zeros(len(altered), bool)
+    rows = np.flatnonzero(altered)
+    if not len(rows):
+        return few
+    part = connected_components(surface.graph[rows][:, rows])[1]
+    few[rows] = np.bincount(part)[part] <= _ROUNDING
+    return few

@@ -25,7 +25,8 @@ class Carried:
     """k marks that carry payload.
 
     index, value: (k,) of the symbols, as the marks say them. vertex: (k,) points. ring: (k,) the first keyed word
-    of each ring; centre: (k, 3) of the ring in the suspect.
+    of each ring; centre: (k, 3) of the ring in the suspect. plain: (k,) whether its ring was read in one way alone,
+    so that it is hardly there by chance.
     """
 
     index: NDArray[np.uint32]
@@ -33,6 +34,7 @@ class Carried:
     vertex: IntArray
     ring: NDArray[np.uint64]
     centre: FloatArray
+    plain: NDArray[np.bool_]
 
     def take(self, rows: NDArray[np.bool_]) -> Carried:
         """Return these marks."""
@@ -42,17 +44,19 @@ class Carried:
             vertex=self.vertex[rows],
             ring=self.ring[rows],
             centre=self.centre[rows],
+            plain=self.plain[rows],
         )
 
 
-def carried(found: Candidates, symbol: IntArray) -> Carried:
-    """Return what candidates that hold carry, as symbols (c,)."""
+def carried(found: Candidates, symbol: IntArray, plain: NDArray[np.bool_] | None = None) -> Carried:
+    """Return what candidates that hold carry, as symbols (c,); plain: (c,) of `Carried`, all where it is None."""
     return Carried(
         index=found.index,
         value=symbol.astype(np.uint16),
         vertex=found.vertex,
         ring=found.words[:, 0],
         centre=found.centre,
+        plain=np.ones(len(symbol), bool) if plain is None else plain,
     )
 
 

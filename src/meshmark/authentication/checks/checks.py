@@ -14,11 +14,11 @@ from meshmark.authentication.checks.ring_reading import chance_of
 from meshmark.authentication.checks.setting_search import likeliest_setting
 from meshmark.authentication.checks.sweep import sweep
 from meshmark.authentication.marks.candidates import HEADER, PAYLOAD, PLACE, Candidates
-from meshmark.authentication.marks.ring_shapes import ring_shapes
+from meshmark.authentication.marks.ring_shapes import in_style, ring_shapes
 from meshmark.authentication.marks.rings import Rings
 from meshmark.authentication.marks.rings_of import rings_of
-from meshmark.authentication.parameters import UNIT
 from meshmark.coding.keys import Key
+from meshmark.geometry.components import connected_components
 from meshmark.geometry.shown import Shown
 from meshmark.geometry.surface import Surface
 from meshmark.mesh import FloatArray, IntArray
@@ -38,10 +38,10 @@ class Checks:
     model's id, None where the marks do not report one. carried: payload symbols of the marks that are believed;
     held: those of all marks that hold, also of those which the map rejects; more of them are wrong. symbol_bits: of
     each. step: that of a ring of spread 1, in scene units, as estimated
-    from the marks, 0 where there are none. log10_chance: bound on the chance that as many marks hold without the
+    from the marks, 0 where there are none; error: of a coordinate, that they were made for. log10_chance: bound on the chance that as many marks hold without the
     key. new_boundary: (p,) on a boundary now, though a mark next to it says that it was not. frame: of the marked
     model, None where it is not known. repeated: two marks that tell the id hold in rings that are alike, in
-    different places.
+    different places. requantised: the marks bear a grid of 14 bits, and the coordinates were rounded about as coarsely.
     """
 
     eligible: NDArray[np.bool_]
@@ -52,10 +52,12 @@ class Checks:
     held: Carried
     symbol_bits: int
     step: float
+    error: float
     log10_chance: float
     new_boundary: NDArray[np.bool_]
     frame: ModelFrame | None
     repeated: bool
+    requantised: bool = False
 
     @property
     def scale(self) -> Scale:
@@ -76,6 +78,7 @@ def check(surface: Surface, key: Key, nonce: int | None = None, payload: Expecte
     if setting is None:
         return _nothing(len(points))
     layout = setting.layout
+    shapes = [in_style(shape, setting.style) for shape in shapes]
     swept = sweep(points, list(zip(rings, shapes, strict=True)), setting, key, nonce=nonce, payload=payload)
     if swept is None:
         return _nothing(len(points))
@@ -89,10 +92,13 @@ def check(surface: Surface, key: Key, nonce: int | None = None, payload: Expecte
     whole = np.zeros(len(points), bool)
     whole[found.vertex[read.holds & ~read.new_boundary]] = True
     new_boundary = _new_boundary(rings, found.vertex[read.new_boundary], whole, 2 if swept.rounded else 1)
+    requantised = swept.rounded and not setting.style.pull
+    if requantised:
+        new_boundary = _torn(surface, rings, found.vertex[read.new_boundary], whole)
     able = swept.able | new_boundary
     outdone = _outdone(pairs, found.vertex, np.where(read.holds, read.off, np.inf), len(points))
     place = read.holds & (found.kind == PLACE) & ~outdone[found.vertex]
-    evidence = evidence_of(found.take(place), read.symbol[place], layout.symbol, setting.unit / UNIT)
+    evidence = evidence_of(found.take(place), read.symbol[place], layout.symbol, setting.error)
     linked = np.concatenate([pairs, _copied(surface, passed, setting.unit)])
     placed = in_place(
         surface.edges,
@@ -109,19 +115,22 @@ def check(surface: Surface, key: Key, nonce: int | None = None, payload: Expecte
     decoded &= ~_outdone(pairs, found.vertex, np.where(read.holds, read.off, np.inf), len(points))[
         found.vertex
     ]
+    plain = (np.bincount(found.vertex) == 1)[found.vertex]
     return Checks(
         eligible=able,
         passed=passed,
         verified=_vouched(pairs, passed) & ~new_boundary,
         nonce=swept.nonce,
-        carried=carried(found.take(decoded), read.symbol[decoded]),
+        carried=carried(found.take(decoded), read.symbol[decoded], plain[decoded]),
         held=carried(found.take(held), read.symbol[held]),
         symbol_bits=layout.symbol,
         step=setting.unit,
+        error=setting.error,
         log10_chance=chance_of(found, read.holds, layout),
         new_boundary=new_boundary,
         frame=placed.frame,
         repeated=bool(repeated.any()),
+        requantised=requantised,
     )
 
 
@@ -170,6 +179,29 @@ def _new_boundary(
     return found & ~_vouched(pairs, whole)
 
 
+def _torn(
+    surface: Surface, rings: list[Rings], vertex: IntArray, whole: NDArray[np.bool_]
+) -> NDArray[np.bool_]:
+    """Return (p,): the boundary points of `_new_boundary` near which are those of another mark, too.
+
+    In a requantised file few marks see a rim at all, mostly one each of its points; by chance single ones do.
+    """
+    found = _new_boundary(rings, vertex, whole, 1)
+    rows = np.flatnonzero(found | (surface.graph @ found.astype(np.float64) > 0.0))
+    if not len(rows):
+        return found
+    part = np.full(len(found), -1)
+    part[rows] = connected_components(surface.graph[rows][:, rows])[1]
+    marks = np.zeros(len(found), bool)
+    marks[vertex] = True
+    pairs = _pairs(rings, marks)
+    pairs = pairs[found[pairs[:, 1]]]
+    pairs = np.unique(np.stack([pairs[:, 0], part[pairs[:, 1]]], axis=1), axis=0)
+    count = np.bincount(pairs[:, 1], minlength=int(part.max()) + 1)
+    found[rows] &= count[part[rows]] >= 2
+    return found
+
+
 def _pairs(rings: list[Rings], passed: NDArray[np.bool_]) -> IntArray:
     """Return (n, 2): each mark that holds, and each point of its ring."""
     parts = [np.empty((0, 2), np.int64)]
@@ -202,6 +234,7 @@ def _nothing(count: int) -> Checks:
         vertex=np.empty(0, np.int64),
         ring=np.empty(0, np.uint64),
         centre=np.empty((0, 3)),
+        plain=no[:0],
     )
     return Checks(
         eligible=no,
@@ -212,6 +245,7 @@ def _nothing(count: int) -> Checks:
         held=none,
         symbol_bits=0,
         step=0.0,
+        error=0.0,
         log10_chance=0.0,
         new_boundary=no,
         frame=None,

@@ -12,14 +12,14 @@ from meshmark.authentication.checks.carried import Expected, carried
 from meshmark.authentication.marks.candidates import HEADER, PAYLOAD, PLACE, Candidates
 from meshmark.authentication.marks.symbols import header_symbols
 from meshmark.authentication.marks.words import bind, symbols_at
-from meshmark.authentication.parameters import LAYOUTS, LEVELS, Layout
+from meshmark.authentication.parameters import WAYS, Layout
 from meshmark.coding.keys import Key
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["Read", "chance_of", "read_marks", "window_of"]
 
-# A mark may be this number of steps from its whole place, and this number of times the median of all.
-_WINDOW, _WINDOWS = 0.12, 8.0
+# A mark may be this number of steps from its whole place, and a number of times the median of all more.
+_WINDOW = 0.12
 # Odd numbers that make three whole places into one.
 _MIX = np.array([0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9, 0x94D049BB133111EB], np.uint64)
 
@@ -54,14 +54,14 @@ def read_marks(
         rows = np.flatnonzero((off > last) & (off <= window))
         symbol[rows], holds[rows], new_boundary[rows] = _read(found.take(rows), key, layout, nonce, payload)
         last = window
-        window = window_of(off[holds])
+        window = window_of(off[holds], layout)
     holds &= off <= window
     return Read(symbol=symbol, holds=holds, off=off, new_boundary=new_boundary & holds)
 
 
-def window_of(off: FloatArray) -> float:
+def window_of(off: FloatArray, layout: Layout) -> float:
     """Return how far off its whole place, in steps, a mark may be where those that hold are `off` (k,)."""
-    return _WINDOW + _WINDOWS * float(np.median(off)) if len(off) else 1.0
+    return _WINDOW + layout.window * float(np.median(off)) if len(off) else 1.0
 
 
 def _read(
@@ -101,4 +101,4 @@ def chance_of(found: Candidates, holds: NDArray[np.bool_], layout: Layout) -> fl
         return 0.0
     rest = 0.0 if share >= 1.0 else (1.0 - share) * log((1.0 - share) / (1.0 - luck))
     nats = total * (share * log(share / luck) + rest)
-    return min(0.0, log10(len(LAYOUTS) * len(LEVELS) * total) - nats / log(10.0))
+    return min(0.0, log10(WAYS * total) - nats / log(10.0))

@@ -14,10 +14,10 @@ from meshmark.authentication.marks.candidates import (
     joined,
     level_of,
 )
-from meshmark.authentication.marks.ring_shapes import RingShapes
+from meshmark.authentication.marks.ring_shapes import RingShapes, in_style
 from meshmark.authentication.marks.rings import Rings
 from meshmark.authentication.marks.words import PURPOSE, bind, symbols_at
-from meshmark.authentication.parameters import FAR_AWAY, LAYOUTS, LEVELS, UNIT, Layout
+from meshmark.authentication.parameters import FAR_AWAY, FINE, LEVELS, STYLES, WEB, WEB_GRID, Layout, Style
 from meshmark.coding.keys import Key
 from meshmark.mesh import FloatArray
 
@@ -27,9 +27,14 @@ __all__ = ["Setting", "all_candidates", "likeliest_setting", "plain_candidates"]
 _SAMPLE, _SAMPLE_BLIND = 600, 2500
 # A ring this near (in levels) to where the level changes, or may change, is tried on both sides.
 _LEVEL_DOUBT = 0.05
-# Steps that are tried first: from a little below the finest that models get to eight times that, in levels. What
-# they report is taken where its chance is below this, and the doubt about the step (levels) at most that.
-_LIKELY = range(-6, 2)
+# Steps that are tried first, of each style: for this error over the diagonal, and so many levels from there: from a
+# little below the finest that models get to eight times that; and those for a grid on the longest side, which is 0.58
+# to 1 diagonals long. What they report is taken where its chance is below this, and the doubt about the step
+# (levels) at most that.
+_LIKELY: tuple[tuple[Style, float, range], ...] = (
+    (FINE, FAR_AWAY, range(-6, 2)),
+    (WEB, WEB_GRID, range(-2, 3)),
+)
 _CLEAR_LOG10, _CLEAR = -6.0, 0.25
 # Number of the marks that hold under one step which may do so by luck.
 _BY_LUCK = 3
@@ -41,14 +46,21 @@ class Setting:
     """How marks were made, estimated from a sample.
 
     unit: the smallest step over the spread, in scene units; doubt: how far off it may be, in levels.
-    layout: of the words; count: marks of the sample. log10_chance: bound on that of as many by luck.
+    layout: of the words; style: of the marks; count: marks of the sample. log10_chance: bound on that of as many by
+    luck.
     """
 
     unit: float
     doubt: float
     layout: Layout
+    style: Style
     count: int
     log10_chance: float
+
+    @property
+    def error(self) -> float:
+        """Return the error of a coordinate that the marks were made for, in scene units."""
+        return self.unit / self.style.unit
 
     @property
     def doubts(self) -> float:
@@ -73,26 +85,34 @@ def likeliest_setting(
     if not sample:
         return None
     middles = np.concatenate([points[group.vertex] for group, _ in sample])
-    finest = UNIT * FAR_AWAY * float(np.linalg.norm(np.ptp(middles, axis=0)))
-    if not finest > 0.0:  # a single ring
+    diagonal = float(np.linalg.norm(np.ptp(middles, axis=0)))
+    if not diagonal > 0.0:  # a single ring
         return None
-    likely = [np.floor(level_of(shape, finest))[:, None] + np.array(_LIKELY) for _, shape in sample]
-    best = _best(points, sample, likely, key, nonce)
-    if (
-        best is not None
-        and best.log10_chance <= _CLEAR_LOG10
-        and best.doubt <= _CLEAR
-        and _inside(best, finest)
-    ):
-        return best
+    for style, error, near in _LIKELY:
+        finest = style.unit * error * diagonal
+        styled = [(group, in_style(shape, style)) for group, shape in sample]
+        likely = [np.floor(level_of(shape, finest))[:, None] + np.array(near) for _, shape in styled]
+        best = _best(points, styled, likely, key, nonce)
+        if (
+            best is not None
+            and best.log10_chance <= _CLEAR_LOG10
+            and best.doubt <= _CLEAR
+            and _inside(best, finest, near)
+        ):
+            return best
     every_level = [np.tile(np.array(LEVELS), (len(group.vertex), 1)) for group, _ in sample]
-    return _best(points, sample, every_level, key, nonce)
+    found = []
+    for style in STYLES:
+        styled = [(group, in_style(shape, style)) for group, shape in sample]
+        if (best := _best(points, styled, every_level, key, nonce)) is not None:
+            found.append(best)
+    return min(found, key=lambda each: each.log10_chance, default=None)
 
 
-def _inside(best: Setting, finest: float) -> bool:
+def _inside(best: Setting, finest: float, near: range) -> bool:
     """Return whether all rings were tried with the levels of this setting: past the last ones marks are missed."""
     least = 2.0 * float(np.log2(best.unit / finest))
-    return 1 - _LIKELY.stop <= least - best.doubt and least + best.doubt <= -_LIKELY.start
+    return 1 - near.stop <= least - best.doubt and least + best.doubt <= -near.start
 
 
 def _best(
@@ -119,11 +139,12 @@ def _best(
     order = np.argsort(size)
     off = np.abs(found.place - found.whole).max(axis=1)
     best: Setting | None = None
-    for layout in LAYOUTS.values():
+    style = sample[0][1].style
+    for layout in style.layouts:
         _, holds = symbols_at(found.whole, found.boundary, bound, layout)
         held = order[holds[order]]
         inside = held[slice(*_densest(size[held])[:2])]
-        held = held[off[held] <= window_of(off[inside])]
+        held = held[off[held] <= window_of(off[inside], layout)]
         first, last, least, most = _densest(size[held])
         if last - first > (best.count if best is not None else 0):
             middle, doubt = (least + most) / 2.0, (most - least) / 2.0
@@ -133,6 +154,7 @@ def _best(
                 unit=2.0 ** (middle / 2.0),
                 doubt=doubt,
                 layout=layout,
+                style=style,
                 count=last - first,
                 log10_chance=chance,
             )

@@ -32,6 +32,8 @@ _MARGIN = 1.1
 # Where marks are so far off their whole places at the median, in steps, the file was rounded to few digits. Then
 # the next whole places are tried, too, of marks that are at least this far off.
 _ROUNDED, _NEAR = 0.03, 0.15
+# Marks beside those that tell the id on which each likely one is tried.
+_SAMPLE = 600
 _Parts = list[tuple[Rings, RingShapes]]
 
 
@@ -129,7 +131,16 @@ def _around(parts: _Parts, chosen: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 
 def _reported_id(found: Candidates, key: Key, setting: Setting) -> int | None:
-    """Return the model's id as the marks report it."""
+    """Return the model's id as the marks report it; each point has one vote, whose ways to be read share it.
+
+    Of the likely ones it is that with which most of the other marks hold.
+    """
+    tries = np.bincount(found.vertex)
     header = found.take(found.kind == HEADER)
     read = read_marks(header, key, setting.layout, None)
-    return read_header(header.index[read.holds], read.symbol[read.holds], setting.layout.symbol)
+    header, symbol = header.take(read.holds), read.symbol[read.holds]
+    likely = read_header(header.index, symbol, 1.0 / tries[header.vertex], setting.layout.symbol)
+    rest = np.flatnonzero(found.kind != HEADER)
+    some = found.take(rest[:: max(len(rest) // _SAMPLE, 1)])
+    held = [int(read_marks(some, key, setting.layout, each).holds.sum()) for each in likely]
+    return likely[int(np.argmax(held))] if likely else None

@@ -19,15 +19,12 @@ from meshmark.authentication.marks.rings import Rings
 from meshmark.authentication.parameters import (
     ALTERNATIVES,
     AMBIGUOUS,
-    HASH_LEAST,
     HASH_STEP,
     HASH_STEPS,
     LEVELS,
     REACH,
     SPREAD,
     SWAY,
-    TOLERANCE,
-    UNIT,
 )
 from meshmark.coding.keyed import cell_words, unit_interval
 from meshmark.mesh import FloatArray, IntArray
@@ -136,7 +133,7 @@ def room(shapes: RingShapes, unit: float, margin: float = 1.0) -> FloatArray:
     clear = (near.sum(axis=1) <= AMBIGUOUS) & (ties.sum(axis=1) <= ALTERNATIVES)
     clear &= _one_level(shapes, exact, ties)
     reach = REACH * 2.0 ** (exact / 2.0) / np.sqrt(2.0)
-    turned = 2.0 * SWAY * np.sqrt(3.0) * UNIT * shapes.size / unit / np.maximum(shapes.sway, _TINY)
+    turned = 2.0 * SWAY * np.sqrt(3.0) * shapes.style.unit * shapes.size / unit / np.maximum(shapes.sway, _TINY)
     return np.asarray(np.where(firm & clear, np.minimum(reach, turned) / margin, 0.0))
 
 
@@ -165,7 +162,7 @@ def candidates(
     words = cell_words(subkey, np.concatenate([_heads(rings, level)[row], whole], axis=1), 7)
     offsets = shapes.offsets[row[:, None], order]
     axes = frames(offsets, shapes.normal[row])
-    base = np.einsum("rki,rk->ri", offsets, _weights(words[:, 1], size))
+    base = np.einsum("rki,rk->ri", offsets, _weights(words[:, 1], size)) if shapes.style.pull else 0.0
     vertex = rings.vertex[row]
     local = (points[vertex] - shapes.centre[row]) / shapes.size[row, None] - base
     place = np.einsum("rij,rj->ri", axes, local) / step[row, None] - _dither(words[:, 2])
@@ -191,7 +188,7 @@ def candidates(
 def _lengths(shapes: RingShapes, level: IntArray) -> tuple[FloatArray, FloatArray]:
     """Return the ring's lengths (r, 2k) in units of the hash's step, and that step (r,) in ring sizes."""
     step = step_of(level)
-    cell = np.minimum(HASH_STEPS * step, np.maximum(HASH_STEP, HASH_LEAST * step))
+    cell = np.minimum(HASH_STEPS * step, np.maximum(HASH_STEP, shapes.style.hash_least * step))
     return np.concatenate([shapes.distance, shapes.chord], axis=1) / cell[:, None] + _SHIFT, cell
 
 
@@ -214,7 +211,7 @@ def _one_level(shapes: RingShapes, exact: FloatArray, ties: NDArray[np.bool_]) -
 
 def _tolerance(shapes: RingShapes, level: IntArray) -> FloatArray:
     """Return by how much (r,), in ring sizes, a length may be off."""
-    return np.asarray(TOLERANCE * step_of(level) / shapes.spread)
+    return np.asarray(shapes.style.tolerance * step_of(level) / shapes.spread)
 
 
 def _roundings(values: FloatArray, whole: IntArray, tolerance: FloatArray) -> tuple[IntArray, IntArray]:

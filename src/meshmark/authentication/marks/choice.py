@@ -16,20 +16,16 @@ from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["alike", "firm_first", "firm_points"]
 
-# A point's distance from its ring's middle, times how far errors turn the ring, over how far they move the place of
-# a mark there at all: beyond this, points carry marks only where no other can.
-_FIRM = 4.0
-
-
 def firm_points(points: FloatArray, parts: Iterable[tuple[Rings, RingShapes]]) -> NDArray[np.bool_]:
     """Return (p,): the points that do not lie so far from the middle of a needle ring that its turning moves them.
 
-    What else an error does to a mark's place depends on the ring alone (`RingShapes.spread`).
+    Such carry marks only where no other can. What else an error does to a mark's place depends on the ring alone
+    (`RingShapes.spread`).
     """
     firm = np.ones(len(points), bool)
     for group, shape in parts:
         far = np.linalg.norm(points[group.vertex] - shape.centre, axis=1)
-        firm[group.vertex] = far * shape.sway <= _FIRM * shape.spread * shape.size
+        firm[group.vertex] = far * shape.sway <= shape.style.firm * shape.spread * shape.size
     return firm
 
 

@@ -29,12 +29,12 @@ from meshmark.authentication.marks.symbols import covers_id, header_symbols, pie
 from meshmark.authentication.marks.words import PURPOSE, bind, places_of, words_of
 from meshmark.authentication.parameters import (
     COVERING,
-    LAYOUTS,
+    FINE,
     MARKS_NEEDED,
     PSNR_LEAST,
     PSNR_WANTED,
-    UNIT,
     Layout,
+    Style,
 )
 from meshmark.coding.keyed import keyed_words, unit_interval
 from meshmark.coding.keys import Key
@@ -111,7 +111,7 @@ class Marked:
     step: float
 
 
-def plan(surface: Surface, key: Key, precision: float, choice: int = 0) -> Plan:
+def plan(surface: Surface, key: Key, precision: float, choice: int = 0, style: Style = FINE) -> Plan:
     """Choose the marks of a surface and their size.
 
     Parameters
@@ -122,6 +122,8 @@ def plan(surface: Surface, key: Key, precision: float, choice: int = 0) -> Plan:
         By how much coordinates may be off, in scene units.
     choice : int
         Another number gives other marks.
+    style : Style
+        `FINE` or `WEB`.
 
     Returns
     -------
@@ -137,18 +139,18 @@ def plan(surface: Surface, key: Key, precision: float, choice: int = 0) -> Plan:
     if not (np.isfinite(precision) and precision > 0.0):
         raise InputError(f"a precision of {precision:g} is out of range, expected a number above 0")
     points = surface.points
-    unit = UNIT * precision
+    unit = style.unit * precision
     radius = _frame(surface)[1]
-    parts = [(rings, ring_shapes(points, rings)) for rings in rings_of(surface)]
+    parts = [(rings, ring_shapes(points, rings, style)) for rings in rings_of(surface)]
     purpose = "authentication choice of marks" + (f" {choice}" if choice else "")
     chance = unit_interval(keyed_words(key.subkey(purpose), len(points)))
     levels = _room(len(points), parts, unit)
     firm = firm_points(points, parts)
-    fewest = min(layout.levels for layout in LAYOUTS.values())
+    fewest = min(layout.levels for layout in style.layouts)
     enough = COVERING * (levels >= fewest).sum()
     for wanted in (PSNR_WANTED, PSNR_LEAST):
         most = 2.0 * radius * 10.0 ** (-wanted / 20.0)
-        for layout in LAYOUTS.values():
+        for layout in style.layouts:
             allowed = levels >= layout.levels
             if allowed.sum() < enough or _rms(parts, allowed, unit, layout) * sqrt(_MARK_SHARE) > most:
                 continue
@@ -266,7 +268,7 @@ def _rms(parts: _Parts, chosen: NDArray[np.bool_], unit: float, layout: Layout) 
         some = shape.take(chosen[group.vertex])
         step = some.size * step_of(np.floor(level_of(some, unit)).astype(np.int64))
         square += float(step @ step)
-    return layout.levels * sqrt(square * 3.0 / 12.0 / len(chosen))
+    return sqrt(square * sum(each**2 for each in layout.radix) / 12.0 / len(chosen))
 
 
 def _plain(points: FloatArray, part: _Part, chosen: NDArray[np.bool_], unit: float, key: Key) -> Candidates:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from meshmark.authentication.parameters import FAR_AWAY
+from meshmark.authentication.parameters import FAR_AWAY, FINE, WEB, WEB_GRID, Style
 from meshmark.errors import InputError
 from meshmark.io.file_precision import conform
 from meshmark.mesh import FloatArray, Mesh
@@ -14,7 +14,7 @@ from meshmark.scene.distinct import scene_of
 
 __all__ = ["TOLERANCES", "Precision", "precision_of", "precisions_of"]
 
-TOLERANCES = ("strict", "default", "tolerant")
+TOLERANCES = ("strict", "default", "tolerant", "web")
 # Half the last digit of an export with six decimals.
 _DECIMALS = 0.5e-6
 # Half the last place of 32-bit floats, relative.
@@ -31,16 +31,19 @@ _FLOATS = ("turned", "floats")
 _STRICT = (*_FLOATS, "decimals")
 _DEFAULT = (*_STRICT, "digits")
 _TOLERANT = (*_DEFAULT, "axes", "cells", "side")
+_WEB = ("floats", "decimals", "digits", "packed", "halves")
+_BEARS = {"strict": _STRICT, "tolerant": _TOLERANT, "web": _WEB}
 
 
 @dataclass(frozen=True, kw_only=True)
 class Precision:
     """error: the largest of a coordinate, in scene units, that must not break a mark; enough: payload bits per
     vertex that it must leave room for, to be chosen; remark: what is given up with it. bears: names of the
-    `promises.ROUNDINGS` that a model with such marks is promised to bear.
+    `promises.ROUNDINGS` that a model with such marks is promised to bear. style: how the marks are made.
     """
 
     error: float
+    style: Style = FINE
     enough: float = 0.0
     remark: str | None = None
     bears: tuple[str, ...] = ()
@@ -54,10 +57,9 @@ def precisions_of(mesh: Mesh, tolerance: str | None = None) -> tuple[Precision, 
     the distance from the origin where there is room. Raises `InputError` for an unknown tolerance.
     """
     if tolerance is not None and tolerance != "default":
+        error = precision_of(mesh, tolerance)
         return (
-            Precision(
-                error=precision_of(mesh, tolerance), bears=_TOLERANT if tolerance == "tolerant" else _STRICT
-            ),
+            Precision(error=error, bears=_BEARS[tolerance], style=WEB if tolerance == "web" else FINE),
         )
     strict, floats = precision_of(mesh), _floats(mesh)
     digits = _six_digits(mesh)
@@ -81,17 +83,18 @@ def precision_of(mesh: Mesh, tolerance: str = "strict") -> float:
     """Return the largest error of a coordinate, in scene units, that must not break a mark.
 
     "strict": what the mesh's own file, an export with six decimals, and 32-bit floats after a similarity transform
-    round; "default" no less; "tolerant": also an export with six significant digits or on a grid of 16 bits.
+    round; "default" no less; "tolerant": also an export with six significant digits or on a grid of 16 bits; "web":
+    also on one of 14 bits.
     Raises `InputError` for an unknown tolerance.
     """
     if tolerance not in TOLERANCES:
         raise InputError(f"unknown tolerance '{tolerance}', expected one of {', '.join(TOLERANCES)}")
     strict = max(_DECIMALS / _smallest(mesh), _floats(mesh))
-    if tolerance != "tolerant":
+    if tolerance not in ("tolerant", "web"):
         return strict
     scene = _scene(mesh)
     digits = 0.5 * 10.0 ** (np.ceil(np.log10(float(np.abs(_used(scene)).max()))) - 6.0)
-    grid = _GRID * float(np.ptp(scene.vertices, axis=0).max())
+    grid = (WEB_GRID if tolerance == "web" else _GRID) * float(np.ptp(scene.vertices, axis=0).max())
     return max(strict, float(digits) / _smallest(mesh), grid / _smallest(mesh))
 
 

@@ -6,17 +6,20 @@ alone makes the frame: a ring that stays, while its middle point moves, gives th
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from meshmark.authentication.marks.rings import Rings
+from meshmark.authentication.parameters import FINE, Style
 from meshmark.mesh import FloatArray, IntArray
 
-__all__ = ["RingShapes", "frames", "ring_shapes", "spreads_from", "starts"]
+__all__ = ["RingShapes", "frames", "in_style", "ring_shapes", "spreads_from", "starts"]
 
 _TINY = 1e-30
+# Points of marks without pull lie about this far, in ring sizes, from the middle that turns them.
+_LIFT = 0.3
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -29,6 +32,7 @@ class RingShapes:
     from each neighbour to the next. spread: (r,) how much an error of one coordinate of every neighbour and of
     the middle point grows in the point's place in the ring, a factor of standard deviations. sway: (r,) how much
     such an error turns the ring's frame, in radians for an error of one ring size: large where it is a needle.
+    style: of the marks that the spread is that of.
     """
 
     centre: FloatArray
@@ -39,14 +43,16 @@ class RingShapes:
     chord: FloatArray
     spread: FloatArray
     sway: FloatArray
+    style: Style = FINE
 
     def take(self, rows: IntArray | NDArray[np.bool_]) -> RingShapes:
         """Return these rows."""
-        return RingShapes(**{field.name: getattr(self, field.name)[rows] for field in fields(self)})
+        arrays = [field.name for field in fields(self) if field.name != "style"]
+        return RingShapes(**{name: getattr(self, name)[rows] for name in arrays}, style=self.style)
 
 
-def ring_shapes(points: FloatArray, rings: Rings) -> RingShapes:
-    """Return the shapes of rings, of points (p, 3)."""
+def ring_shapes(points: FloatArray, rings: Rings, style: Style = FINE) -> RingShapes:
+    """Return the shapes of rings, of points (p, 3), for marks of a style."""
     around = points[rings.around]
     centre = around.mean(axis=1)
     offsets = around - centre[:, None]
@@ -58,7 +64,8 @@ def ring_shapes(points: FloatArray, rings: Rings) -> RingShapes:
     distance = np.sqrt(np.einsum("rki,rki->rk", offsets, offsets))
     step = following - offsets
     normal = area / np.maximum(extent, _TINY)[:, None]
-    spread, sway = _growth(_rolled(offsets, distance.argmax(axis=1)), normal, np.maximum(extent, _TINY))
+    leading = _rolled(offsets, distance.argmax(axis=1))
+    spread, sway = _growth(leading, normal, np.maximum(extent, _TINY), style)
     return RingShapes(
         centre=centre,
         size=size,
@@ -68,17 +75,28 @@ def ring_shapes(points: FloatArray, rings: Rings) -> RingShapes:
         chord=np.sqrt(np.einsum("rki,rki->rk", step, step)),
         spread=spread,
         sway=sway,
+        style=style,
     )
+
+
+def in_style(shapes: RingShapes, style: Style) -> RingShapes:
+    """Return the same shapes for marks of another style."""
+    if style is shapes.style:
+        return shapes
+    found = replace(shapes, style=style)
+    return replace(found, spread=spreads_from(found, shapes.distance.argmax(axis=1)))
 
 
 def spreads_from(shapes: RingShapes, start: IntArray) -> FloatArray:
     """Return the spreads (r,) that the rings have where neighbour `start` (r,) leads."""
     area = 0.5 * _cross(shapes.offsets, np.roll(shapes.offsets, -1, axis=1)).sum(axis=1)
     extent = np.maximum(np.sqrt(np.einsum("ri,ri->r", area, area)), _TINY)
-    return _growth(_rolled(shapes.offsets, start), shapes.normal, extent)[0]
+    return _growth(_rolled(shapes.offsets, start), shapes.normal, extent, shapes.style)[0]
 
 
-def _growth(offsets: FloatArray, normal: FloatArray, area: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _growth(
+    offsets: FloatArray, normal: FloatArray, area: FloatArray, style: Style
+) -> tuple[FloatArray, FloatArray]:
     """Return how much errors of standard deviation 1 grow, (r,), to first order, on the axis where they grow most.
 
     And how far they turn the frame, (r,).
@@ -86,7 +104,8 @@ def _growth(offsets: FloatArray, normal: FloatArray, area: FloatArray) -> tuple[
     The place in the ring is the point less a sum of the neighbours with weights +-1, turned into the frame and
     scaled. Errors tilt the normal by that of the area vector, half the sum of error x (next - previous
     neighbour); they turn the first axis by that of the harmonic, and scale by that of the size. The sum over
-    random signs has the second moments of the offsets.
+    random signs has the second moments of the offsets. Without pull the sum is the mean, which turns with nothing:
+    only the point turns, `_LIFT` from it.
     """
     count = offsets.shape[1]
     axes = frames(offsets, normal)
@@ -106,6 +125,8 @@ def _growth(offsets: FloatArray, normal: FloatArray, area: FloatArray) -> tuple[
         n / count + np.einsum("rij,rij->r", second[:, :2, :2], tilt[:, :2, :2]),
     ]
     sway = np.sqrt(tilt[:, 0, 0] + tilt[:, 1, 1] + twist)
+    if not style.pull:
+        return np.asarray(np.sqrt(1.0 + 1.0 / count + (_LIFT * sway) ** 2)), np.asarray(sway)
     return np.asarray(np.sqrt(1.2 + count + np.max(grown, axis=0))), np.asarray(sway)
 
 

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from itertools import product
+
 import numpy as np
 from numpy.typing import NDArray
 
 from meshmark.authentication.marks.candidates import Candidates
+from meshmark.authentication.parameters import TRIED_IDS
 from meshmark.coding.keyed import unit_interval
 from meshmark.mesh import FloatArray, IntArray
 
@@ -34,16 +37,31 @@ def header_symbols(index: NDArray[np.uint32], nonce: int, symbol_bits: int) -> I
     return np.asarray(pieces[piece])
 
 
-def read_header(index: NDArray[np.uint32], symbols: IntArray, symbol_bits: int) -> int | None:
-    """Return the id that most symbols (c,) of each piece report, None where a piece has none."""
+def read_header(
+    index: NDArray[np.uint32], symbols: IntArray, weight: FloatArray, symbol_bits: int
+) -> list[int]:
+    """Return the ids that symbols (c,) report, the likeliest first: for each piece that with the most weight (c,).
+
+    Of the two pieces that are least sure others are taken, too, in all combinations, `TRIED_IDS` at most. Empty where
+    more pieces have no symbol.
+    """
     width = _width(symbol_bits)
-    piece = index.astype(np.int64) % (ID_BITS // width)
-    votes = np.zeros((ID_BITS // width, 1 << width), np.int64)
+    count = ID_BITS // width
+    piece = index.astype(np.int64) % count
+    votes = np.zeros((count, 1 << width))
     in_range = symbols < 1 << width
-    np.add.at(votes, (piece[in_range], symbols[in_range]), 1)
-    if not votes.any(axis=1).all():
-        return None
-    return sum(int(value) << width * place for place, value in enumerate(votes.argmax(axis=1)))
+    np.add.at(votes, (piece[in_range], symbols[in_range]), weight[in_range])
+    if (~votes.any(axis=1)).sum() > 1:
+        return []
+    order = np.argsort(-votes, axis=1, kind="stable")
+    ranked = np.take_along_axis(votes, order, axis=1)
+    weak, second = np.argsort(ranked[:, 0] - ranked[:, 1] + ranked[:, 0], kind="stable")[:2]
+    found = []
+    for other, value in product(order[second, :2], order[weak, : TRIED_IDS // 2]):
+        chosen = order[:, 0].copy()
+        chosen[weak], chosen[second] = value, other
+        found.append(sum(int(each) << width * place for place, each in enumerate(chosen)))
+    return found
 
 
 def covers_id(index: NDArray[np.uint32], symbol_bits: int) -> bool:

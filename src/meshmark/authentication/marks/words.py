@@ -47,15 +47,16 @@ def words_of(
 
 def places_of(words: NDArray[np.uint64], place: FloatArray, layout: Layout) -> IntArray:
     """Return (c, 3): the whole places nearest to `place` (c, 3) that say these words."""
-    digits = words.astype(np.int64)[:, None] // layout.levels ** np.arange(3) % layout.levels
-    return np.asarray(digits + layout.levels * np.round((place - digits) / layout.levels).astype(np.int64))
+    radix = np.array(layout.radix)
+    digits = words.astype(np.int64)[:, None] // _weights(layout) % radix
+    return np.asarray(digits + radix * np.round((place - digits) / radix).astype(np.int64))
 
 
 def symbols_at(
     places: IntArray, boundary: IntArray, bound: NDArray[np.uint64], layout: Layout
 ) -> tuple[IntArray, NDArray[np.bool_]]:
     """Return the symbols (c,) that whole places (c, 3) say, and whether their MAC holds."""
-    word = places % layout.levels @ layout.levels ** np.arange(3)
+    word = places % np.array(layout.radix) @ _weights(layout)
     inside = word < 1 << layout.bits
     plain = np.where(inside, word, 0).astype(np.uint64) ^ _mask(bound, layout)
     symbol = plain >> np.uint64(layout.check)
@@ -69,6 +70,10 @@ def _mac(
     text = symbol | boundary.astype(np.uint64) << np.uint64(16)
     mixed = bound[:, 0] * (text + np.uint64(1)) + bound[:, 1]
     return np.asarray(mixed, np.uint64) >> np.uint64(64 - layout.check)
+
+
+def _weights(layout: Layout) -> IntArray:
+    return np.cumprod([1, *layout.radix[:2]])
 
 
 def _mask(bound: NDArray[np.uint64], layout: Layout) -> NDArray[np.uint64]:

@@ -82,14 +82,18 @@ class Whole:
         return whole, packed[end:]
 
 
-def whole_of(surface: Surface, precision: float, scene: Distinct | None = None) -> Whole:
+def whole_of(
+    surface: Surface, precision: float, scene: Distinct | None = None, *, web: bool = False
+) -> Whole:
     """Return the numbers of a surface; points are not counted where rounding may make two of them one.
 
-    scene: of which the surface is that without copies.
+    scene: of which the surface is that without copies. web: its marks bear a grid of 14 bits; points that one makes
+    one lie so near that they are one already, but for a few that marks bring together (`Examination.points_missing`).
     """
+    least = 0.0 if web else _APART * precision
     used, edges = surface.used, surface.edges
     steps = surface.points[edges[:, 0]] - surface.points[edges[:, 1]]
-    apart = bool((np.einsum("ij,ij->i", steps, steps) > (_APART * precision) ** 2).all())
+    apart = bool((np.einsum("ij,ij->i", steps, steps) > least**2).all())
     half, areas = 0.5 * surface.diagonal, surface.face_areas
     if scene is None:
         return Whole(points=int(used.sum()) if apart else 0, area=float(areas.sum()) / half**2)
