@@ -18,6 +18,7 @@ COMMANDS = {
     "authentication": "docs/results/authentication.md",
     "by_hand": "docs/decisions/0015-by-hand-or-library.md",
     "clean_channel": "docs/results/clean-channel.md",
+    "coarse": "docs/results/coarse.md",
     "code": "docs/decisions/0004-code.md",
     "compressed_gltf": "docs/decisions/0002-compressed-gltf.md",
     "costa": "docs/results/ownership.md",
@@ -44,7 +45,7 @@ COMMANDS = {
     "web_exports": "docs/decisions/0023-tolerance-web.md",
 }
 ALONE = {
-    "authenticate_speed", "by_hand", "compressed_gltf", "costa", "false_alarms", "hostile", "lattice_labels",
+    "authenticate_speed", "by_hand", "coarse", "compressed_gltf", "costa", "false_alarms", "hostile", "lattice_labels",
     "princeton", "published", "registration", "rivals_sanity", "same_behaviour", "web_exports",
 }  # fmt: skip
 
