@@ -44,6 +44,12 @@ def pipe(monkeypatch: pytest.MonkeyPatch):
     ("line", "source", "outputs", "keyed"),
     [
         ("keygen new.key", None, {"key": "new.key"}, True),
+        (
+            "embed small.ply new.ply --key my.key --layers ownership --picture p.png",
+            "small.ply",
+            {"model": "new.ply", "picture": "p.png"},
+            True,
+        ),
         ("extract marked.ply --key my.key", "marked.ply", {}, True),
         ("authenticate marked.ply --key my.key --map m.ply", "marked.ply", {"map": "m.ply"}, True),
         ("recover marked.ply out.ply --key my.key", "marked.ply", {"model": "out.ply"}, True),

@@ -106,7 +106,9 @@ def of_requantised(export: Requantised, verdict: str) -> str:
             f"Requantised{bits} and simplified: {export.points_less:,} points are fewer, here and there; whether more "
             "was changed in these places cannot be told, elsewhere nothing was."
         )
-    return f"Requantised{bits}, otherwise as signed off." if verdict == "authentic" else f"Requantised{bits}; "
+    return (
+        f"Requantised{bits}, otherwise as signed off." if verdict == "authentic" else f"Requantised{bits}; "
+    )
 
 
 def of_causes(causes: Sequence[Cause], verdict: str) -> str:

@@ -71,6 +71,12 @@ def embed(
         Path | None,
         typer.Option(metavar="CERT", help="Also write a certificate, with which damaged copies are read."),
     ] = None,
+    picture: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="OUT.png", help="Also draw the original, the marked model, and the change of its shading."
+        ),
+    ] = None,
     recompress: Annotated[
         bool,
         typer.Option(
@@ -98,7 +104,7 @@ def embed(
 
     carried = payload if payload in (None, "miniature", "none") else Path(str(payload))
     inputs = [model, key, carried if isinstance(carried, Path) else None]
-    staging = staged([(out, None), (certificate, None)], inputs, force)
+    staging = staged([(out, None), (certificate, None), (picture, ".png")], inputs, force)
     number = None if identity is None else parse_id(identity)
     secret = Key.load(key, force=force)
     mesh = read_model(model, format, staging)
@@ -121,10 +127,14 @@ def embed(
         )
         if certificate is not None:
             result.certificate.save(certificate, staging)
+        if picture is not None:
+            from meshmark.report.shading_change import shading_picture
+
+            shading_picture(mesh, result.mesh, picture, staging=staging)
     for remark in result.remarks:
         say(f"meshmark: {remark}")
-    fields = {**result.to_dict(), "side_files": written_beside(staging, [out, certificate])}
-    outputs = {"model": out, "certificate": certificate}
+    fields = {**result.to_dict(), "side_files": written_beside(staging, [out, certificate, picture])}
+    outputs = {"model": out, "certificate": certificate, "picture": picture}
     answer(_words(result, named(model), out), described(fields, model, outputs, secret), as_json)
     return 0
 

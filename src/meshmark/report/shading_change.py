@@ -1,0 +1,47 @@
+"""The picture of an embedding: original, marked, and how far the mark turns the normals that shading shows."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from meshmark.geometry.areas import vertex_normals
+from meshmark.geometry.surface_of import surface_of
+from meshmark.io.staging import Staging
+from meshmark.mesh import Mesh
+from meshmark.report.colours import heat
+from meshmark.report.demo_picture import vertex_colours
+from meshmark.report.picture import Panel, panels
+
+__all__ = ["DARKEST", "shading_picture"]
+
+DARKEST = 3.0
+"""Change of a normal, degrees, that has the darkest colour; a quarter of it is just noticed where it is smooth."""
+
+
+def shading_picture(
+    original: Mesh, marked: Mesh, path: Path | str, *, size: int = 900, staging: Staging | None = None
+) -> None:
+    """Save a PNG of three panels: original, marked, and the change of each point's normal as colour.
+
+    The meshes have the same vertices in the same order. staging: takes the file, to move it into place together
+    with others. Raises `OutputError` where the file cannot be written.
+    """
+    surface = surface_of(original)
+    after, faces = marked.vertices[surface.vertex_of_point], surface.faces
+    own = vertex_colours(original)
+    colours = None if own is None else own[surface.vertex_of_point]
+    chord = np.linalg.norm(vertex_normals(after, faces) - vertex_normals(surface.points, faces), axis=1)
+    turned = np.degrees(2.0 * np.arcsin(np.minimum(0.5 * chord, 1.0)))
+    shown = (
+        Panel(caption="original", points=surface.points, faces=faces, colours=colours),
+        Panel(caption="marked", points=after, faces=faces, colours=colours),
+        Panel(
+            caption=f"change of shading (darkest: normals turned by {DARKEST:g} degrees)",
+            points=after,
+            faces=faces,
+            colours=heat(turned / DARKEST),
+        ),
+    )
+    panels(shown, path, size=size, staging=staging)
