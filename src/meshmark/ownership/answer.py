@@ -24,6 +24,7 @@ def extraction_of(found: Found, codec: Codec, mode: str, seconds: float) -> Extr
         agreeing = max((_agreeing(codec, reading, each) for each in found.ids), default=0)
         lock = reading.score / float(reading.keys.weight.sum())
     presence, advice = _in_words(found, mode, agreeing)
+    layer = "points" if reading is not None and reading.at_points else "cells"
     shown = found.ids or ((None,) if found.present else ())
     return Extraction(
         presence=presence,
@@ -36,7 +37,7 @@ def extraction_of(found: Found, codec: Codec, mode: str, seconds: float) -> Extr
         lock_score=lock,
         advice=advice,
         seconds=seconds,
-        evidence=tuple(Evidence(layer="cells", id=each, log10_false_positive=bound) for each in shown),
+        evidence=tuple(Evidence(layer=layer, id=each, log10_false_positive=bound) for each in shown),
     )
 
 

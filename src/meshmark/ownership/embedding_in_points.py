@@ -12,7 +12,15 @@ from meshmark.mesh import Mesh
 from meshmark.ownership.embedding_task import EmbeddingTask, Owned
 from meshmark.ownership.extraction import find
 from meshmark.ownership.ownership_mark import OwnershipMark
-from meshmark.ownership.points.parameters import DISTINCT_BITS, LARGEST, MODES, SHARES, SIDE, STEPS
+from meshmark.ownership.points.parameters import (
+    DISTINCT_BITS,
+    LARGEST,
+    MODES,
+    MOST_POINTS,
+    SHARES,
+    SIDE,
+    STEPS,
+)
 from meshmark.ownership.points.point_lattice import PointLattice
 from meshmark.ownership.points.point_shaping import Choice, PointShaping
 from meshmark.ownership.search.search import Search
@@ -37,6 +45,11 @@ def embed_in_points(task: EmbeddingTask) -> Owned:
 
     Raises `CapacityError` that says what the points lack.
     """
+    used = int(task.surface.used.sum())
+    if len(task.surface.points) > MOST_POINTS:
+        raise CapacityError(
+            f"its {used:,} points are too many for points to carry it, {MOST_POINTS:,} at most"
+        )
     lattice = PointLattice.keyed(task.key, task.label)
     budget = task.budget / task.diagonal
     shaping = PointShaping(task.surface, lattice, task.bits, largest=LARGEST[task.strength], budget=budget)
@@ -57,9 +70,7 @@ def embed_in_points(task: EmbeddingTask) -> Owned:
         for mode in range(len(MODES))
     )
     if most < DISTINCT_BITS:
-        raise CapacityError(
-            f"its {int(task.surface.used.sum())} points carry {most} bits of the code, {DISTINCT_BITS} are needed"
-        )
+        raise CapacityError(f"its {used} points carry {most} bits of the code, {DISTINCT_BITS} are needed")
     raise CapacityError("its points cannot be moved far enough to carry it without being seen")
 
 

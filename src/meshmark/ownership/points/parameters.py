@@ -15,6 +15,7 @@ __all__ = [
     "LIFTED",
     "MODES",
     "MOMENTS_APART",
+    "MOST_POINTS",
     "ROOM",
     "SHARES",
     "SIDE",
@@ -48,6 +49,8 @@ ROOM: Final = 2.0
 GUARD: Final = 0.25
 # Largest displacement of a point over the diagonal of the bounding box.
 LARGEST: Final = {"subtle": 5e-4, "standard": 1.5e-3, "strong": 4e-3}
+# Larger models are neither marked at points nor searched for it: their triangles are short enough for cells.
+MOST_POINTS: Final = 100_000
 # A face whose normal turns by more than this cosine was folded over: its points stay where they are.
 LIFTED: Final = 0.7
 # Second moments, shares of their sum, are kept this far apart, or this many budgets, whichever is less.

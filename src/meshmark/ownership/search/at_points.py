@@ -11,6 +11,7 @@ from meshmark.ownership.carriers.reading import Reading
 from meshmark.ownership.parameters import SURELY_SKEW
 from meshmark.ownership.points.carried_coordinates import Carried
 from meshmark.ownership.points.frame_sweep import sweep
+from meshmark.ownership.points.parameters import MOST_POINTS
 from meshmark.ownership.points.point_lattice import PointLattice
 from meshmark.ownership.points.point_reading import CHOICES, Framed, PointLock
 from meshmark.ownership.search.search import Search
@@ -26,6 +27,8 @@ DECODED, SWEPT = 4, 4
 def readings_of_points(search: Search) -> Iterator[Reading]:
     """Yield the readings of those choices that lock best in any of the turns of the frame."""
     surface = search.surface
+    if len(surface.points) > MOST_POINTS:
+        return
     turns = list(frame_alternatives(surface.frame, True, SURELY_SKEW))
     labels = search.labels(surface.invariants)
     carried = Carried(surface, surface.frame)
@@ -38,7 +41,7 @@ def readings_of_points(search: Search) -> Iterator[Reading]:
 def registered_readings_of_points(search: Search) -> Iterator[Reading]:
     """Yield the readings in frames that the reference gives."""
     reference = search.reference
-    if reference is None:
+    if reference is None or len(search.surface.points) > MOST_POINTS:
         return
     if isinstance(reference, Certificate):
         label = Label.of_hex(reference.lattice)
