@@ -1,4 +1,4 @@
-"""What the key says of a point hangs on the cube that it lies in, on the key and on the label, and on nothing else."""
+"""What the key says of a point hangs on its cube, on the key and on the label, and on nothing else."""
 
 from __future__ import annotations
 
