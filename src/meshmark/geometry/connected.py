@@ -49,9 +49,11 @@ class Parts:
                 second[:, i, j] = np.bincount(sorted_label, arms[:, i] * arms[:, j], count) / held
         square = np.trace(second, axis1=1, axis2=2)
         self.size = np.sqrt(square)
-        square = np.where(square > 0.0, square, 1.0)[:, None]
-        fourth = np.bincount(sorted_label, np.einsum("ij,ij->i", arms, arms) ** 2, count) / held
-        self.moments = np.hstack([np.linalg.eigvalsh(second) / square, fourth[:, None] / square**2])
+        square = np.where(square > 0.0, square, 1.0)
+        # Fourth powers of very large units would leave the range of numbers.
+        reach = np.einsum("ij,ij->i", arms, arms) / square[sorted_label]
+        fourth = np.bincount(sorted_label, reach**2, count) / held
+        self.moments = np.column_stack([np.linalg.eigvalsh(second) / square[:, None], fourth])
 
     def __len__(self) -> int:
         return len(self.counts)

@@ -18,8 +18,11 @@ NEAR = 2e-5
 MOST_PAIRS = 2_000_000
 # Pairs of an open edge and a point beside it that are looked at together.
 TOGETHER = 1_000_000
-# A point on an edge follows points that may follow others: 2 to this power in a row.
-CHAIN = 6
+# A point on an edge follows points that may follow others: 2 to this power in a row, at most. Points of two borders
+# along one line that lie near each other pass their motion on to and fro that often.
+CHAIN = 24
+# Weights per point at most, while that is worked out.
+MOST_WEIGHTS = 400
 # Weights below this are none.
 LEAST = 1e-9
 
@@ -55,9 +58,14 @@ def joints_of(surface: Surface) -> sp.csr_array:
     columns = np.concatenate([np.arange(count), edge[:, 0], edge[:, 1]])
     values = np.concatenate([alone, 1.0 - share, share])
     follows = together @ sp.csr_array((values, (rows, columns)), shape=(count, count)) @ together
-    for _ in range(CHAIN if len(point) else 0):
+    follows.eliminate_zeros()
+    for _ in range(CHAIN):
+        if alone[follows.indices].all() or follows.nnz > MOST_WEIGHTS * count:
+            break
         follows = follows @ follows
         follows.data[follows.data < LEAST] = 0.0
+        # What is left out is shared by the others.
+        follows = sp.diags_array(1.0 / follows.sum(axis=1)) @ follows
         follows.eliminate_zeros()
     return sp.csr_array(follows)
 

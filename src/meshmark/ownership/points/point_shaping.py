@@ -163,10 +163,17 @@ class PointShaping:
             if folded.any():
                 frozen = frozen | _touched(joints, np.unique(surface.faces[folded]), len(points))
             elif far.max() > 1.0:
-                yields = np.where(far > NEARLY, yields * (NEARLY / far) ** 2 / 2.0, yields)
+                yields = np.where(
+                    far > NEARLY, yields * (NEARLY / np.maximum(far, NEARLY)) ** 2 / 2.0, yields
+                )
             elif number >= PASSES - 1:
-                return self._frame.to_scene(points)
+                return self._in_scene(points)
         return None
+
+    def _in_scene(self, points: FloatArray) -> FloatArray:
+        """Return canonical points (p, 3) in scene units; those that did not move or are unused stay exactly."""
+        moved = (points != self._points).any(axis=1) & self._surface.used
+        return np.where(moved[:, None], self._frame.to_scene(points), self._surface.points)
 
     def _framed(self, motion: FloatArray, rest: FloatArray, passes: int) -> FloatArray:
         """Return the motion (p, 3) with what `rest` allows added until the frame is as wanted."""

@@ -45,9 +45,13 @@ def _may_be_in_cells(search: Search) -> bool:
     return reference is not None and not (isinstance(reference, Certificate) and reference.at_points)
 
 
+def _looks_further(search: Search) -> bool:
+    return search.effort != "plain"
+
+
 def _undoes_damage(search: Search) -> bool:
     """Return whether damage to cells is to be undone; marks at points bear none that could be."""
-    return search.effort != "plain" and search.has_cells
+    return _looks_further(search) and search.has_cells
 
 
 def _is_coarse(search: Search) -> bool:
@@ -92,7 +96,7 @@ STRATEGIES: tuple[Strategy, ...] = (
     Strategy(
         name="mirrored",
         readings=late_function("meshmark.ownership.search.mirrored", "mirrored_readings"),
-        applies=_undoes_damage,
+        applies=_looks_further,
         cost=1.0,
     ),
     Strategy(

@@ -1,0 +1,212 @@
+"""The id in the points of coarse models, end to end: embedded, attacked and read by the key alone."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from meshmark.coding.keyed import rotation
+from meshmark.errors import CapacityError
+from meshmark.geometry.open_edges import open_edges
+from meshmark.geometry.surface_of import surface_of
+from meshmark.geometry.visibility import VisibleChange
+from meshmark.marking import Embedding, embed, extract
+from meshmark.mesh import Mesh
+from meshmark.ownership.embedding_in_points import embed_in_points
+from meshmark.ownership.embedding_task import EmbeddingTask
+from meshmark.ownership.points.parameters import DISTINCT_BITS, LARGEST, SIDE, STEPS
+from meshmark.ownership.search.search import Search
+from meshmark.ownership.vertex_displacement import diagonal_of
+from meshmark.strengths import BUDGETS, VISIBLE_SHARES
+from tests.counting import some
+from tests.keys import ID, KEY, OTHER
+from tests.low_poly import ball, box, frustum, loose_box, prism, soup, subdivided, table
+
+BOX = ((6, 5, 4), (3.0, 2.0, 1.3))
+SLAB = ((9, 8, 1), (3.0, 2.0, 0.4))
+SHAPES = {
+    "ball": ball(1),
+    "box": box(*BOX),
+    "frustum": frustum(),
+    "table": table(),
+    "prism": prism(16, 6, 3.0),
+    "slab": box(*SLAB),
+    "fine prism": prism(60, 7, 6.0),
+}
+# So coarse that its cells are not searched.
+COLUMN = prism(30, 2, 8.0)
+OTHER_DIAGONALS = {"box": box(*BOX, other=True)[1], "frustum": box(*BOX, other=True)[1]}
+OTHER_DIAGONALS["slab"] = box(*SLAB, other=True)[1]
+
+
+@cache
+def marked(name: str) -> Embedding:
+    return embed(Mesh(*{**SHAPES, "column": COLUMN}[name]), KEY, id=ID, layers="ownership")
+
+
+def diagonal(mesh: Mesh) -> float:
+    return float(np.linalg.norm(np.ptp(mesh.vertices, axis=0)))
+
+
+def on_grid(mesh: Mesh, bits: int) -> Mesh:
+    low = mesh.vertices.min(axis=0)
+    step = np.ptp(mesh.vertices, axis=0).max() / (2**bits - 1)
+    return mesh.with_vertices(np.round((mesh.vertices - low) / step) * step + low)
+
+
+def turned(mesh: Mesh) -> Mesh:
+    """Return a mesh turned, scaled and shifted, in another order, in single precision."""
+    random = np.random.default_rng(2)
+    order, rows = random.permutation(len(mesh.vertices)), random.permutation(len(mesh.faces))
+    vertices = 40.0 * mesh.vertices @ rotation(b"t" * 32).T - [3.0, 90.0, 1.0]
+    faces = np.roll(np.argsort(order)[mesh.faces[rows]], 1, axis=1)
+    return Mesh(vertices[order].astype(np.float32).astype(float), faces)
+
+
+COPIES = {
+    "as it is": lambda mesh: mesh,
+    "turned": turned,
+    "unwelded": lambda mesh: soup(mesh),
+    "six decimals": lambda mesh: mesh.with_vertices(np.round(mesh.vertices, 6)),
+    "fourteen bits": lambda mesh: on_grid(mesh, 14),
+    "subdivided": lambda mesh: Mesh(*subdivided((mesh.vertices, mesh.faces))),
+}
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_the_id_lies_in_points_and_survives_what_leaves_the_shape_alone(name):
+    result = marked(name)
+    assert result.ownership.at_points
+    assert result.ownership.spacing == SIDE
+    assert np.isclose(result.ownership.step * SIDE, STEPS).any()
+    for copy, make in some(COPIES.items()):
+        found = extract(make(result.mesh), KEY, search="plain")
+        assert (found.presence, found.id) == ("present", ID), copy
+        assert found.log10_false_positive < -20.0
+        assert found.carriers_agreeing > 0.6 * found.carriers
+
+
+@pytest.mark.parametrize("name", OTHER_DIAGONALS)
+def test_it_survives_other_diagonals(name):
+    mesh = marked(name).mesh
+    faces = OTHER_DIAGONALS[name]
+    assert (np.sort(faces, axis=1) != np.sort(mesh.faces, axis=1)).any(axis=1).mean() > 0.5
+    assert extract(Mesh(mesh.vertices, faces), KEY, search="plain").id == ID
+
+
+@pytest.mark.parametrize("name", ["ball", "column"])
+def test_the_mirror_image_is_read_however_coarse(name):
+    mesh = marked(name).mesh
+    assert Search(surface=surface_of(mesh), key=KEY).has_cells == (name == "ball")
+    image = Mesh(mesh.vertices * [-1.0, 1.0, 1.0], mesh.faces[:, ::-1])
+    found = extract(image, KEY, search="quick")
+    assert found.id == ID
+    assert "in the mirror image" in found.advice
+    assert extract(image, KEY, search="plain").presence == "absent"
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_unmarked_models_and_wrong_keys_are_absent(name):
+    for mesh, key in ((Mesh(*SHAPES[name]), KEY), (marked(name).mesh, OTHER)):
+        found = extract(mesh, key, search="plain")
+        assert (found.presence, found.id) == ("absent", None)
+        assert found.log10_false_positive > -6.0
+
+
+def test_a_wrong_key_is_absent_where_damage_is_undone_too():
+    found = extract(marked("column").mesh, OTHER, search="quick")
+    assert (found.presence, found.id) == ("absent", None)
+
+
+@pytest.mark.parametrize("strength", BUDGETS)
+@pytest.mark.parametrize("name", ["box", "ball"])
+def test_every_strength_keeps_its_budget_and_is_seen_no_more_than_it_may(name, strength):
+    mesh = Mesh(*SHAPES[name])
+    result = embed(mesh, KEY, id=ID, layers="ownership", strength=strength)
+    length = np.linalg.norm(result.mesh.vertices - mesh.vertices, axis=1) / diagonal(mesh)
+    assert 0.0 < np.sqrt((length**2).mean()) <= BUDGETS[strength]
+    assert length.max() <= LARGEST[strength] * (1.0 + 1e-6)
+    assert result.rms_over_diagonal == pytest.approx(np.sqrt((length**2).mean()))
+    surface = surface_of(mesh)
+    seen = VisibleChange(surface.points, surface.faces).of(result.mesh.vertices)
+    assert seen.share <= VISIBLE_SHARES[strength]
+    assert extract(result.mesh, KEY, search="plain").id == ID
+
+
+def test_same_input_same_key_same_id_same_output():
+    mesh = Mesh(*SHAPES["box"])
+    before = mesh.vertices.copy()
+    again = embed(mesh, KEY, id=ID, layers="ownership").mesh
+    np.testing.assert_array_equal(again.vertices, marked("box").mesh.vertices)
+    np.testing.assert_array_equal(mesh.vertices, before)
+    for key, identity in ((OTHER, ID), (KEY, ID + 1)):
+        other = embed(mesh, key, id=identity, layers="ownership").mesh
+        assert (other.vertices != again.vertices).any()
+
+
+def test_a_watertight_model_stays_watertight_and_loose_corners_stay_together():
+    whole = Mesh(*SHAPES["table"])
+    mesh = soup(whole)
+    result = embed(mesh, KEY, id=ID, layers="ownership")
+    assert result.ownership.at_points
+    surface = surface_of(result.mesh)
+    assert len(surface.points) == len(whole.vertices) < len(mesh.vertices)
+    assert not len(open_edges(surface.faces, len(surface.points))[0])
+    np.testing.assert_array_equal(surface.point_of_vertex, surface_of(mesh).point_of_vertex)
+
+
+def test_points_inside_the_edges_of_others_stay_in_them_and_the_id_is_read():
+    mesh = Mesh(*loose_box())
+    task = EmbeddingTask(
+        mesh=mesh, key=KEY, identity=ID, strength="standard", budget=BUDGETS["standard"] * diagonal_of(mesh)
+    )
+    result = embed_in_points(task)
+    assert extract(result.mesh, KEY, search="plain").id == ID
+    size = np.array([3.0, 2.0, 1.3])
+    moved, seen = result.mesh.vertices, 0
+    for low in (0.0, 1.3):
+        at = np.flatnonzero(np.isclose(mesh.vertices[:, 1:], [0.0, low]).all(axis=1))
+        order = at[np.argsort(mesh.vertices[at, 0])]
+        share = mesh.vertices[order, :1] / size[0]
+        line = moved[order[0]] + share * (moved[order[-1]] - moved[order[0]])
+        np.testing.assert_allclose(moved[order], line, atol=1e-9)
+        seen += len(order)
+    assert seen > 16
+
+
+def test_too_few_points_are_refused_with_their_number():
+    with pytest.raises(
+        CapacityError,
+        match=rf"its 12 points carry (\d|[1-7]\d) bits of the code, {DISTINCT_BITS} are needed$",
+    ) as told:
+        embed(Mesh(*ball(0)), KEY, id=ID, layers="ownership")
+    assert "its triangles are" in str(told.value)
+
+
+def test_unused_vertices_stay_where_they_are():
+    points, faces = SHAPES["ball"]
+    extra = np.array([[9.0, 9.0, 9.0], [-0.0, 0.0, 7.0]])
+    result = embed(Mesh(np.concatenate([extra, points]), faces + 2), KEY, id=ID, layers="ownership")
+    assert result.ownership.at_points
+    assert result.mesh.vertices[:2].tobytes() == extra.tobytes()
+
+
+@pytest.mark.parametrize("scale", [1e-80, 1e80])
+def test_any_unit_will_do(scale):
+    points, faces = SHAPES["ball"]
+    result = embed(Mesh(scale * points, faces), KEY, id=ID, layers="ownership")
+    assert result.ownership.at_points
+    assert extract(result.mesh, KEY, search="plain").id == ID
+
+
+def test_the_certificate_and_the_original_read_the_mark_of_a_part():
+    result = marked("slab")
+    mesh, certificate = result.mesh, result.certificate
+    assert certificate.at_points
+    part = Mesh(mesh.vertices, mesh.faces[mesh.vertices[mesh.faces].mean(axis=1)[:, 0] < 2.8])
+    assert extract(part, KEY, search="plain").id is None
+    for reference in (certificate, Mesh(*SHAPES["slab"])):
+        found = extract(part, KEY, search="plain", reference=reference)
+        assert (found.presence, found.id) == ("present", ID)
