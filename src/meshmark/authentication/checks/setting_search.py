@@ -129,12 +129,12 @@ def _best(
         row, column = np.nonzero((level >= LEVELS[0]) & (level <= LEVELS[-1]))
         tried = level[row, column].astype(np.int64)
         shaped = shape.take(row)
-        ways = candidates(points, group.take(row), shaped, tried, subkey, all_ways=False)
-        parts.append((level_of(shaped, 1.0) - tried, ways))
+        # Without the model's id only the marks that tell it can be read.
+        only = HEADER if nonce is None else None
+        ways = candidates(points, group.take(row), shaped, tried, subkey, all_ways=False, only=only)
+        parts.append(((level_of(shaped, 1.0) - tried)[ways.ring], ways))
     size = np.concatenate([part[0] for part in parts])
     found = joined([part[1] for part in parts])
-    if nonce is None:
-        size, found = size[found.kind == HEADER], found.take(found.kind == HEADER)
     bound = bind(found, key, nonce)
     order = np.argsort(size)
     off = np.abs(found.place - found.whole).max(axis=1)

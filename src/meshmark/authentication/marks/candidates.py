@@ -57,13 +57,14 @@ _SHIFT: Final = 0.381966
 class Candidates:
     """c candidates.
 
-    vertex: (c,) the middle points. level: (c,) of the step; step: (c,) in scene units. axes: (c, 3, 3) rows.
-    centre: (c, 3) the mean of the ring. kind: (c,) HEADER, PLACE or PAYLOAD; index: (c,) uint32 of the symbol.
-    words: (c, 7) uint64, the ring's keyed numbers. place: (c, 3) of the point in its ring, in steps, less the
-    dither: a mark has whole numbers here; whole: (c, 3) those that are tried. boundary: (c,) a bit for each
-    neighbour that is on a boundary, in the ring's order.
+    ring: (c,) the rows of the rings; vertex: (c,) their middle points. level: (c,) of the step; step: (c,) in scene
+    units. axes: (c, 3, 3) rows. centre: (c, 3) the mean of the ring. kind: (c,) HEADER, PLACE or PAYLOAD; index:
+    (c,) uint32 of the symbol. words: (c, 7) uint64, the ring's keyed numbers. place: (c, 3) of the point in its
+    ring, in steps, less the dither: a mark has whole numbers here; whole: (c, 3) those that are tried. boundary:
+    (c,) a bit for each neighbour that is on a boundary, in the ring's order.
     """
 
+    ring: IntArray
     vertex: IntArray
     level: IntArray
     step: FloatArray
@@ -140,9 +141,16 @@ def room(shapes: RingShapes, unit: float, margin: float = 1.0) -> FloatArray:
 
 
 def candidates(
-    points: FloatArray, rings: Rings, shapes: RingShapes, level: IntArray, subkey: bytes, *, all_ways: bool
+    points: FloatArray,
+    rings: Rings,
+    shapes: RingShapes,
+    level: IntArray,
+    subkey: bytes,
+    *,
+    all_ways: bool,
+    only: int | None = None,
 ) -> Candidates:
-    """Return the candidates of rings with these levels (r,): the plain one each, or `all_ways`."""
+    """Return the candidates of rings with these levels (r,): the plain one or `all_ways`, `only` of one kind."""
     step = step_of(level)
     tolerance = _tolerance(shapes, level)
     row, first = starts(shapes.distance, tolerance if all_ways else np.zeros(len(step)))
@@ -162,17 +170,21 @@ def candidates(
         again, whole = _roundings(values, whole, (tolerance / cell)[row])
         row, order = row[again], order[again]
     words = cell_words(subkey, np.concatenate([_heads(rings, level)[row], whole], axis=1), 7)
+    kind = (words[:, 0] >> np.uint64(59)).astype(np.int64)
+    kind = np.where(kind < _HEADERS, HEADER, np.where(kind < _HEADERS + _PLACES, PLACE, PAYLOAD))
+    if only is not None:
+        kept = np.flatnonzero(kind == only)
+        row, order, words, kind = row[kept], order[kept], words[kept], kind[kept]
     offsets = shapes.offsets[row[:, None], order]
     axes = frames(offsets, shapes.normal[row])
     base = np.einsum("rki,rk->ri", offsets, _weights(words[:, 1], size)) if shapes.style.pull else 0.0
     vertex = rings.vertex[row]
     local = (points[vertex] - shapes.centre[row]) / shapes.size[row, None] - base
     place = np.einsum("rij,rj->ri", axes, local) / step[row, None] - _dither(words[:, 2])
-    kind = (words[:, 0] >> np.uint64(59)).astype(np.int64)
-    kind = np.where(kind < _HEADERS, HEADER, np.where(kind < _HEADERS + _PLACES, PLACE, PAYLOAD))
     index = (words[:, 0] & np.uint64(0xFFFFFFFF)).astype(np.uint32)
     boundary = rings.boundary[row[:, None], order] @ (1 << np.arange(size))
     return Candidates(
+        ring=row,
         vertex=vertex,
         level=level[row],
         step=step[row] * shapes.size[row],
