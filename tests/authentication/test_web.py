@@ -126,9 +126,7 @@ def test_a_glb_without_room_has_marks_of_the_default_and_says_so(tmp_path):
 
 def test_a_tolerance_that_is_named_is_refused_without_room():
     with pytest.raises(CapacityError):
-        embed(
-            Mesh(*pebble(70)), KEY, id=ID, layers="authentication", strength="subtle", tolerance="web"
-        )
+        embed(Mesh(*pebble(70)), KEY, id=ID, layers="authentication", strength="subtle", tolerance="web")
 
 
 def test_no_mark_bears_11_bits_and_the_answer_says_which_rounding_it_was():

@@ -133,7 +133,9 @@ def room(shapes: RingShapes, unit: float, margin: float = 1.0) -> FloatArray:
     clear = (near.sum(axis=1) <= AMBIGUOUS) & (ties.sum(axis=1) <= ALTERNATIVES)
     clear &= _one_level(shapes, exact, ties)
     reach = REACH * 2.0 ** (exact / 2.0) / np.sqrt(2.0)
-    turned = 2.0 * SWAY * np.sqrt(3.0) * shapes.style.unit * shapes.size / unit / np.maximum(shapes.sway, _TINY)
+    turned = (
+        2.0 * SWAY * np.sqrt(3.0) * shapes.style.unit * shapes.size / unit / np.maximum(shapes.sway, _TINY)
+    )
     return np.asarray(np.where(firm & clear, np.minimum(reach, turned) / margin, 0.0))
 
 

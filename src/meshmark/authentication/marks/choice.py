@@ -16,6 +16,7 @@ from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["alike", "firm_first", "firm_points"]
 
+
 def firm_points(points: FloatArray, parts: Iterable[tuple[Rings, RingShapes]]) -> NDArray[np.bool_]:
     """Return (p,): the points that do not lie so far from the middle of a needle ring that its turning moves them.
 

@@ -85,4 +85,6 @@ def _planned(mesh: Mesh, key: Key, precision: Precision) -> Planned:
     if (placed != surface.points).any():
         mesh = mesh.with_vertices(conform(mesh, placed[surface.point_of_vertex]))
         surface = surface_of_moved(mesh, before)
-    return Planned(mesh=mesh, plan=plan(surface, key, precision.error, style=precision.style), precision=precision)
+    return Planned(
+        mesh=mesh, plan=plan(surface, key, precision.error, style=precision.style), precision=precision
+    )

@@ -58,9 +58,7 @@ def precisions_of(mesh: Mesh, tolerance: str | None = None) -> tuple[Precision, 
     """
     if tolerance is not None and tolerance != "default":
         error = precision_of(mesh, tolerance)
-        return (
-            Precision(error=error, bears=_BEARS[tolerance], style=WEB if tolerance == "web" else FINE),
-        )
+        return (Precision(error=error, bears=_BEARS[tolerance], style=WEB if tolerance == "web" else FINE),)
     strict, floats = precision_of(mesh), _floats(mesh)
     digits = _six_digits(mesh)
     chosen = [
