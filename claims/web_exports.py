@@ -9,7 +9,7 @@ the file authenticated. Then the copy itself is edited on 2 % of its points, in 
 far as its own grid can hold that, and authenticated again.
 
 NODE is a folder after `npm install --prefix NODE @gltf-transform/cli@4.5 gltfpack gltf-pipeline`.
-Exit code 1 where an id is missed, a copy is called altered, an edit is not, or an IoU (median of a form) is below .75.
+Exit code 1 where an id is missed, a copy is called altered, an edit is not, or a form's median IoU is below .75.
 
 Figures of docs/decisions/0023-tolerance-web.md.
 """
@@ -197,7 +197,7 @@ def report(rows: list[Row]) -> int:
             f"{np.median(overlaps):.2f} | {(overlaps >= LEAST_IOU).sum()} |"
         )
         bad = bad or read < len(copies) or intact < len(copies) or called < len(edits)
-        bad = bad or bool(edits) and float(np.median(overlaps)) < LEAST_IOU
+        bad = bad or (bool(edits) and float(np.median(overlaps)) < LEAST_IOU)
     return int(bad)
 
 

@@ -69,8 +69,8 @@ class Style:
 
     pull: the place of a mark is the point less a +-1 sum of its ring, else less the ring's mean: then errors grow
     a third as much, and so does what a neighbour that was moved does to it. unit: the smallest step, in units of
-    the largest error of a coordinate. hash_least: fewest steps of a unit of the ring's lengths. tolerance: number of
-    steps over the ring's spread by which a length may be off. firm: how far, over the spread, a turning ring may
+    the largest error of a coordinate. hash_least: fewest steps of a unit of the ring's lengths. tolerance: number
+    of steps over the ring's spread by which a length may be off. firm: how far, over the spread, a turning ring may
     swing a point. layouts: by their bits, most first.
     """
 
@@ -113,10 +113,10 @@ COVERING: Final = 0.95
 MARKS_NEEDED: Final = 40
 
 _SIGMA: Final = 1.0 / sqrt(3.0)
-# Half a step is 4.3 standard deviations of the error of the mark's place, as the spread predicts it; measured on the
-# training models it is 0.7 of that at most, so half a step is 5.7 deviations. 6 bits of MAC let one altered mark in
-# 64 through, fewer where marks lie near their whole places (`checks`); room above 10 bits of symbol goes to the MAC.
-# A length is off by the error of two points, not of a ring.
+# Half a step is 4.3 standard deviations of the error of the mark's place, as the spread predicts it; measured on
+# the training models it is 0.7 of that at most, so half a step is 5.7 deviations. 6 bits of MAC let one altered
+# mark in 64 through, fewer where marks lie near their whole places (`checks`); room above 10 bits of symbol goes to
+# the MAC. A length is off by the error of two points, not of a ring.
 FINE: Final = Style(
     pull=True,
     unit=2.0 * 4.3 * _SIGMA,

@@ -20,8 +20,8 @@ __all__ = ["Requantised", "Rounded", "requantised", "rounded_everywhere"]
 _GROUPS, _CHANCE, _TOGETHER = (32, 64, 128), 1e-3, 4
 # A grid this much coarser than the error that marks were made for, as they tell it, is what they were made for.
 _SAME = 1.3
-# Points that one of those without a mark may stand for; fewest places, and the most of the altered points that lie in
-# one of them, where points were removed by simplification.
+# Points that one of those without a mark may stand for; fewest places, and the most of the altered points that lie
+# in one of them, where points were removed by simplification.
 _REMOVED, _PLACES, _IN_ONE = 2.0, 3, 0.6
 # Where more of the points fail, what else was changed cannot be decided.
 _MOST = 0.5

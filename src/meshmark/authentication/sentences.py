@@ -50,8 +50,8 @@ def _of_id(verdict: str, found: Examination) -> str:
         )
     if found.rounded is not None:
         return (
-            f"It carries the owner's id, but was rounded to {found.rounded} everywhere, and no mark of authentication "
-            "bears that: whether more was changed cannot be told."
+            f"It carries the owner's id, but was rounded to {found.rounded} everywhere, and no mark of "
+            "authentication bears that: whether more was changed cannot be told."
         )
     return (
         "It carries the owner's id, but no mark of authentication: it was marked without that layer, or changed "
@@ -103,8 +103,8 @@ def of_requantised(export: Requantised, verdict: str) -> str:
     bits = "" if export.bits is None else f" to {export.bits} bits"
     if export.points_less:
         return (
-            f"Requantised{bits} and simplified: {export.points_less:,} points are fewer, here and there; whether more "
-            "was changed in these places cannot be told, elsewhere nothing was."
+            f"Requantised{bits} and simplified: {export.points_less:,} points are fewer, here and there; whether "
+            "more was changed in these places cannot be told, elsewhere nothing was."
         )
     return (
         f"Requantised{bits}, otherwise as signed off." if verdict == "authentic" else f"Requantised{bits}; "

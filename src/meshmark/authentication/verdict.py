@@ -40,10 +40,10 @@ class Authentication:
 
     verdict: "authentic", "surface_intact" (but the file shows something else), "altered", "not_marked" or
     "inconclusive" (also where there is the id alone, and nothing tells whether the model was changed); causes: why
-    the file shows something else than what was signed off; requantised: an export rounded the positions as the marks
-    bear it, which alters nothing; altered: (n,) which vertices of the file were
-    moved, made or laid bare. altered_area_fraction: of the surface, 0 to 1. missing_area_fraction: of the surface
-    that was signed off; points_missing: of its points, below 0 where there are more; both None where not known.
+    the file shows something else than what was signed off; requantised: an export rounded the positions as the
+    marks bear it, which alters nothing; altered: (n,) which vertices of the file were moved, made or laid bare.
+    altered_area_fraction: of the surface, 0 to 1. missing_area_fraction: of the surface that was signed off;
+    points_missing: of its points, below 0 where there are more; both None where not known.
     payload: "recovered", "partial" or "none"; content: what was recovered. id: or None.
     log10_false_positive: bound on the chance of these marks (or of the id alone) without the key.
     mode: "blind", "certificate" or "original"; certificate: "own", "foreign" (of another key, model or id) or None.

@@ -62,9 +62,9 @@ def embed(
         Tolerance | None,
         typer.Option(
             help="strict: every change above the file's precision counts; tolerant: rounding to 16 bits does not; "
-            "web: rounding to 14 bits, as web pipelines do, does not; default: rounding to six digits does not, where "
-            "there is room. A tolerance that is asked for is kept, or the model refused; without this option, web for "
-            "glTF where there is room, else default, or the id alone where marks do not fit."
+            "web: rounding to 14 bits, as web pipelines do, does not; default: rounding to six digits does not, "
+            "where there is room. A tolerance that is asked for is kept, or the model refused; without this "
+            "option, web for glTF where there is room, else default, or the id alone where marks do not fit."
         ),
     ] = None,
     certificate: Annotated[

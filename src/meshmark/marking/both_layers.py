@@ -63,8 +63,8 @@ def embed(
         "miniature" (of the model, for its recovery), "none", bytes, or the path of a file. By default a miniature,
         or none where it does not fit.
     tolerance : str, optional
-        "strict", "tolerant" of exports that round coordinates to 16 bits or six digits, or "web", of those that round
-        them to 14 bits, as web pipelines do; "default": of six digits where the payload need not suffer
+        "strict", "tolerant" of exports that round coordinates to 16 bits or six digits, or "web", of those that
+        round them to 14 bits, as web pipelines do; "default": of six digits where the payload need not suffer
         (`precisions_of`). Without it, "web" for a glTF where there is room, else "default", but the layer may be
         left out.
 
@@ -175,7 +175,7 @@ def _both(mesh: Mesh, request: MarkRequest) -> Embedding:
 
 
 def _first_that_fits(below: Owned | None, mesh: Mesh, request: MarkRequest) -> Embedding:
-    """Return the authentication layer with the first of the tolerances that may be chosen; a remark says which not."""
+    """Return the authentication layer with the first tolerance that fits; a remark says what it costs or lacks."""
     if not request.web_first:
         return _within_budget(below, mesh, request)
     try:

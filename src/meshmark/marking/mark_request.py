@@ -23,8 +23,8 @@ class MarkRequest:
     """The arguments of `embed`, checked, with the payload's file read and the id drawn.
 
     layers: one of `LAYERS`, None for both where they fit. tolerance: as in `precisions_of`. optional: the
-    authentication layer may be left out where it does not fit. web_first: the tolerance "web" is tried first. shown: how the model's file shows something else
-    than its surface (`shown_otherwise.packed_deviations`).
+    authentication layer may be left out where it does not fit. web_first: the tolerance "web" is tried first.
+    shown: how the model's file shows something else than its surface (`shown_otherwise.packed_deviations`).
     """
 
     key: Key

@@ -25,8 +25,8 @@ def altered_points(surface: Surface, checks: Checks) -> NDArray[np.bool_]:
 
     A point without a mark that holds next to it is altered, but for the border of a larger altered part: marks
     there fail for the sake of one neighbour, and leave intact ones without a voucher (not so where the surface
-    ends). In a requantised file rounding breaks single marks, so few points together are not altered. Points whose rings carry no marks are judged as the nearest that do, an altered one before an intact
-    one.
+    ends). In a requantised file rounding breaks single marks, so few points together are not altered. Points whose
+    rings carry no marks are judged as the nearest that do, an altered one before an intact one.
     """
     count, graph = len(surface.points), surface.graph
     suspect = checks.eligible & ~checks.verified

@@ -37,11 +37,12 @@ class Checks:
     model. passed: (p,) whose mark holds. verified: (p,) in the closed ring of a mark that holds. nonce: the
     model's id, None where the marks do not report one. carried: payload symbols of the marks that are believed;
     held: those of all marks that hold, also of those which the map rejects; more of them are wrong. symbol_bits: of
-    each. step: that of a ring of spread 1, in scene units, as estimated
-    from the marks, 0 where there are none; error: of a coordinate, that they were made for. log10_chance: bound on the chance that as many marks hold without the
-    key. new_boundary: (p,) on a boundary now, though a mark next to it says that it was not. frame: of the marked
-    model, None where it is not known. repeated: two marks that tell the id hold in rings that are alike, in
-    different places. requantised: the marks bear a grid of 14 bits, and the coordinates were rounded about as coarsely.
+    each. step: that of a ring of spread 1, in scene units, as estimated from the marks, 0 where there are none;
+    error: of a coordinate, that they were made for. log10_chance: bound on the chance that as many marks hold
+    without the key. new_boundary: (p,) on a boundary now, though a mark next to it says that it was not. frame: of
+    the marked model, None where it is not known. repeated: two marks that tell the id hold in rings that are alike,
+    in different places. requantised: the marks bear a grid of 14 bits, and the coordinates were rounded about as
+    coarsely.
     """
 
     eligible: NDArray[np.bool_]

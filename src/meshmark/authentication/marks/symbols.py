@@ -42,8 +42,8 @@ def read_header(
 ) -> list[int]:
     """Return the ids that symbols (c,) report, the likeliest first: for each piece that with the most weight (c,).
 
-    Of the two pieces that are least sure others are taken, too, in all combinations, `TRIED_IDS` at most. Empty where
-    more pieces have no symbol.
+    Of the two pieces that are least sure others are taken, too, in all combinations, `TRIED_IDS` at most. Empty
+    where more pieces have no symbol.
     """
     width = _width(symbol_bits)
     count = ID_BITS // width

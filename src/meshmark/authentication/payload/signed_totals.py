@@ -87,8 +87,8 @@ def whole_of(
 ) -> Whole:
     """Return the numbers of a surface; points are not counted where rounding may make two of them one.
 
-    scene: of which the surface is that without copies. web: its marks bear a grid of 14 bits; points that one makes
-    one lie so near that they are one already, but for a few that marks bring together (`Examination.points_missing`).
+    scene: of which the surface is that without copies. web: its marks bear a grid of 14 bits; points that such a
+    grid makes one are one already, but for a few that marks bring together (`Examination.points_missing`).
     """
     least = 0.0 if web else _APART * precision
     used, edges = surface.used, surface.edges
