@@ -45,8 +45,8 @@ COMMANDS = {
     "web_exports": "docs/decisions/0023-tolerance-web.md",
 }
 ALONE = {
-    "authenticate_speed", "by_hand", "coarse", "compressed_gltf", "costa", "false_alarms", "hostile", "lattice_labels",
-    "princeton", "published", "registration", "rivals_sanity", "same_behaviour", "web_exports",
+    "authenticate_speed", "by_hand", "coarse", "compressed_gltf", "costa", "false_alarms", "hostile",
+    "lattice_labels", "princeton", "published", "registration", "rivals_sanity", "same_behaviour", "web_exports",
 }  # fmt: skip
 
 

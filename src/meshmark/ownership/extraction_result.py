@@ -18,8 +18,8 @@ _DIAGNOSTIC = ("carriers", "carriers_agreeing", "lock_score")
 class Evidence:
     """What one layer of a model says.
 
-    layer: "cells" or "points" (the ownership layer), or "authentication"; id: the 64-bit id, None where there is a mark whose id
-    cannot be read. log10_false_positive: bound on the chance of this without a mark of this key.
+    layer: "cells" or "points" (the ownership layer), or "authentication"; id: the 64-bit id, None where there is a
+    mark whose id cannot be read. log10_false_positive: bound on the chance of this without a mark of this key.
     """
 
     layer: str
@@ -44,8 +44,8 @@ class Extraction:
     presence: "present", "absent" or "inconclusive"; id: the 64-bit id, or None where none or several were read;
     ids: all that were read, several of an average of copies.
     log10_false_positive: bound on the chance of this answer without a mark of this key, over all that was tried.
-    mode: "blind", "certificate" or "original". carriers: cells, or coordinates of points, that were read; carriers_agreeing: those whose bit is the
-    decoded one's.
+    mode: "blind", "certificate" or "original". carriers: cells, or coordinates of points,
+    that were read; carriers_agreeing: those whose bit is the decoded one's.
     lock_score: weighted mean cosine of the phases by which the lattice is locked (`CellKeys`), 1 where all cells
     lie on the quantiser's points, about 0 without a mark.
     advice: one sentence for the reader. evidence: what layers say of a mark, none where it is absent.
