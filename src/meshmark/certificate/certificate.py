@@ -12,6 +12,7 @@ the lattice's parameters: neither the surface nor anything of the key. The file 
                          rows: places, normals, masses, curvatures (32-bit floats), descriptors (16-bit floats)
     layers               what was embedded: both, ownership or authentication
     carriers             of the id: cells or points
+    corners              of a mark at points: of the largest triangles, canonical, in base64, as the landmarks are
     written              of a model with the id alone: keyed digest of its positions, lock and cells of its lattice
                          (see `authentication.as_written`)
     binding              keyed digests of all other fields, of the key, and of the id (see `binding`)
@@ -26,7 +27,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from hashlib import blake2b
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -35,6 +36,7 @@ import numpy as np
 
 from meshmark.errors import InputError
 from meshmark.geometry.frame import Frame
+from meshmark.mesh import FloatArray
 
 if TYPE_CHECKING:
     from meshmark.geometry.registration.landmarks import Landmarks
@@ -70,9 +72,12 @@ class Certificate:
         """Return whether the id lies in points of the model, not in cells of its surface."""
         return self.more.get("carriers") == "points"
 
-    def with_carriers(self, *, at_points: bool) -> Certificate:
-        """Return the certificate of a mark in points or in cells."""
-        return replace(self, more={**self.more, "carriers": "points" if at_points else "cells"})
+    @property
+    def corners(self) -> FloatArray:
+        """Return the corners (k, 3, 3) of triangles of a model marked at points; raises `InputError` for others."""
+        from meshmark.certificate.certificate_fields import unpacked_corners
+
+        return unpacked_corners(self.more.get("corners", ""))
 
     def to_dict(self) -> dict[str, Any]:
         """Return the fields of the file, plain JSON values."""

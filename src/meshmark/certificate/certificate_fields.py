@@ -16,7 +16,16 @@ from meshmark.geometry.registration.landmarks import Landmarks
 from meshmark.mesh import FloatArray
 from meshmark.strengths import check_strength
 
-__all__ = ["FORMAT", "VERSION", "OldVersionError", "packed", "read_fields", "unpacked"]
+__all__ = [
+    "FORMAT",
+    "VERSION",
+    "OldVersionError",
+    "packed",
+    "packed_corners",
+    "read_fields",
+    "unpacked",
+    "unpacked_corners",
+]
 
 FORMAT: Final = "meshmark certificate"
 """What the field `format` says."""
@@ -146,6 +155,23 @@ def packed(landmarks: Landmarks) -> dict[str, Any]:
         array = np.clip(getattr(landmarks, name), -_LARGEST, _LARGEST).astype(_TYPES.get(name, "<f4"))
         values[name] = base64.b64encode(array.tobytes()).decode("ascii")
     return values
+
+
+def packed_corners(corners: FloatArray) -> str:
+    """Return the corners (k, 3, 3) of triangles in base64."""
+    return base64.b64encode(corners.astype("<f4").tobytes()).decode("ascii")
+
+
+def unpacked_corners(text: object) -> FloatArray:
+    """Undo `packed_corners`; raises `InputError` for what it does not make."""
+    try:
+        data = base64.b64decode(text if isinstance(text, str) else "?", validate=True)
+        corners = np.frombuffer(data, "<f4").astype(np.float64).reshape(-1, 3, 3)
+    except ValueError:
+        raise InputError("'corners' is not base64 of triangles") from None
+    if not np.isfinite(corners).all():
+        raise InputError("'corners' holds numbers that are not finite")
+    return corners
 
 
 def unpacked(values: dict[str, Any]) -> Landmarks:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import Final
 
 from meshmark.certificate.certificate import Certificate
-from meshmark.certificate.certificate_fields import packed, unpacked
+from meshmark.certificate.certificate_fields import packed, packed_corners, unpacked
+from meshmark.geometry.registration.corner_matching import corners_to_keep
 from meshmark.geometry.registration.prepared_surface import PreparedSurface
 from meshmark.geometry.shown import Shown
 from meshmark.mesh import Mesh
@@ -27,6 +28,7 @@ def certify(
     *,
     lattice: str = NO_LATTICE,
     repeated_only: bool = False,
+    at_points: bool = False,
 ) -> Certificate:
     """Return the certificate of a marked mesh.
 
@@ -43,6 +45,8 @@ def certify(
         Its label, 32 hexadecimal digits; that of a model without the ownership layer by default.
     repeated_only : bool
         The mark lies only in the part of the scene that is shown more than once.
+    at_points : bool
+        The id lies in points, not in cells: the corners of the largest triangles are kept, too.
 
     Returns
     -------
@@ -58,6 +62,9 @@ def certify(
         surface = next(only_repeated(surface), surface)
     frame = surface.frame
     landmarks = PreparedSurface(surface.points, surface.faces, frame).landmarks(LANDMARKS)
+    more: dict[str, str] = {"carriers": "points" if at_points else "cells"}
+    if at_points:
+        more["corners"] = packed_corners(corners_to_keep(frame.to_canonical(surface.points), surface.faces))
     return Certificate(
         # As the file holds them, so that a certificate is the same after a round trip.
         landmarks=unpacked(packed(landmarks)),
@@ -68,4 +75,5 @@ def certify(
         strength=strength,
         vertices=len(mesh.vertices),
         faces=len(mesh.faces),
+        more=more,
     )

@@ -117,7 +117,8 @@ class Embedding:
                 self.strength,
                 lattice=str(mark.label),
                 repeated_only=mark.repeated_only,
-            ).with_carriers(at_points=mark.at_points)
+                at_points=mark.at_points,
+            )
         made = replace(made, more={**made.more, "layers": self.layers})
         return made if self.seal is None else self.seal(made)
 

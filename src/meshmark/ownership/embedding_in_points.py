@@ -6,12 +6,15 @@ from collections.abc import Iterator
 from dataclasses import replace
 from itertools import islice, product
 
+import numpy as np
+
 from meshmark.errors import CapacityError
 from meshmark.geometry.surface_of import surface_of_moved
 from meshmark.mesh import Mesh
 from meshmark.ownership.embedding_task import EmbeddingTask, Owned
 from meshmark.ownership.extraction import find
 from meshmark.ownership.ownership_mark import OwnershipMark
+from meshmark.ownership.points.carried_coordinates import Carried
 from meshmark.ownership.points.parameters import (
     DISTINCT_BITS,
     LARGEST,
@@ -22,6 +25,7 @@ from meshmark.ownership.points.parameters import (
     STEPS,
 )
 from meshmark.ownership.points.point_lattice import PointLattice
+from meshmark.ownership.points.point_reading import Framed
 from meshmark.ownership.points.point_shaping import Choice, PointShaping
 from meshmark.ownership.search.search import Search
 from meshmark.ownership.search.trials import TrialCounter
@@ -30,7 +34,7 @@ from meshmark.ownership.vertex_displacement import displacement_rms
 __all__ = ["embed_in_points"]
 
 # Choices that are tried.
-TRIES = 16
+TRIES = 12
 # The next step after one that did not do is smaller by this factor.
 SMALLER = 0.75
 # A mark bears noise in proportion to its step, and about to this power of the number of code bits beyond those
@@ -41,7 +45,7 @@ WORTH = (1.0, 0.9, 0.75, 0.6)
 
 
 def embed_in_points(task: EmbeddingTask) -> Owned:
-    """Return the first mark that is read back, of a few choices, from the one that bears most noise down.
+    """Return the mark that bears most noise, of a few choices, and is read back.
 
     Raises `CapacityError` that says what the points lack.
     """
@@ -53,16 +57,17 @@ def embed_in_points(task: EmbeddingTask) -> Owned:
     lattice = PointLattice.keyed(task.key, task.label)
     budget = task.budget / task.diagonal
     shaping = PointShaping(task.surface, lattice, task.bits, largest=LARGEST[task.strength], budget=budget)
-    for choice in islice(_choices(shaping, budget), TRIES):
-        points = shaping.shaped(choice)
-        if points is None or task.seen.of(points).share > task.share:
-            continue
-        marked = task.moved(points)
-        if displacement_rms(task.mesh, marked) > task.budget:
-            continue
-        carriers = _read_back(task, marked)
+    tried: list[tuple[float, float, Mesh]] = []
+    for worth, choice in islice(_choices(shaping, budget), TRIES):
+        if tried and worth <= max(worth for worth, _, _ in tried):
+            break  # the rest is worth less even where everything can be set
+        made = _made(task, shaping, choice)
+        if made is not None:
+            tried.append((_worth(choice, _told(task, made, lattice, choice)), choice.step, made))
+    for worth, step, marked in sorted(tried, key=lambda entry: -entry[0]):
+        carriers = _read_back(task, marked) if worth > 0.0 else 0
         if carriers:
-            step = choice.step / SIDE
+            step /= SIDE
             mark = OwnershipMark(carriers=carriers, label=task.label, spacing=SIDE, step=step, at_points=True)
             return Owned(mesh=marked, mark=mark)
     most = max(
@@ -74,23 +79,47 @@ def embed_in_points(task: EmbeddingTask) -> Owned:
     raise CapacityError("its points cannot be moved far enough to carry it without being seen")
 
 
-def _choices(shaping: PointShaping, budget: float) -> Iterator[Choice]:
-    """Yield choices within an RMS budget (over the diagonal), the best first.
+def _choices(shaping: PointShaping, budget: float) -> Iterator[tuple[float, Choice]]:
+    """Yield choices within an RMS budget (over the diagonal), and what they are worth at most, the best first.
 
-    Of what a failed choice would be followed by, nearly the same is left out.
+    Of what a choice is followed by, nearly the same is left out.
     """
-    fitting = []
+    left = []
     for step, mode, share in product(STEPS, range(len(MODES)), SHARES):
         choice = Choice(step=float(step), mode=mode, share=share)
         count = shaping.distinct_bits(choice)
         if count >= DISTINCT_BITS and shaping.rms(choice) <= budget:
-            fitting.append((WORTH[mode] * step * (count - NEEDED) ** REDUNDANCY, choice))
-    fitting.sort(key=lambda entry: -entry[0])
-    left = [choice for _, choice in fitting]
+            left.append((_worth(choice, count), choice))
+    left.sort(key=lambda entry: -entry[0])
     while left:
         first = left.pop(0)
         yield first
-        left = [each for each in left if each.step <= SMALLER * first.step or each.mode != first.mode]
+        _, done = first
+        left = [entry for entry in left if entry[1].step <= SMALLER * done.step or entry[1].mode != done.mode]
+
+
+def _worth(choice: Choice, bits: float) -> float:
+    """Return how much noise a mark bears that tells so many bits, in units that only compare choices."""
+    return float(WORTH[choice.mode] * choice.step * max(bits - NEEDED, 0.0) ** REDUNDANCY)
+
+
+def _made(task: EmbeddingTask, shaping: PointShaping, choice: Choice) -> Mesh | None:
+    """Return the mesh marked as chosen, None where it would be seen, or moves too much."""
+    points = shaping.shaped(choice)
+    if points is None or task.seen.of(points).share > task.share:
+        return None
+    marked = task.moved(points)
+    return None if displacement_rms(task.mesh, marked) > task.budget else marked
+
+
+def _told(task: EmbeddingTask, marked: Mesh, lattice: PointLattice, choice: Choice) -> float:
+    """Return how many bits a mark tells as it is read; points that could not be set say what chance has."""
+    surface = surface_of_moved(marked, task.mesh)
+    framed = Framed.of(surface, Carried(surface, surface.frame), surface.frame, lattice)
+    reading = framed.reading(choice, 1.0)
+    wrong = 0.5 * (1.0 - max(reading.score, 0.0) / max(len(reading.phase), 1))
+    entropy = -sum(share * np.log2(share) for share in (wrong, 1.0 - wrong) if share > 0.0)
+    return len(np.unique(reading.keys.code_index)) * float(1.0 - entropy)
 
 
 def _read_back(task: EmbeddingTask, marked: Mesh) -> int:

@@ -10,7 +10,7 @@ from meshmark.mesh import FloatArray
 from meshmark.ownership.carriers.cells import Cells
 from meshmark.ownership.carriers.lattice import Lattice
 
-__all__ = ["POSE_SIZE", "Pose", "pose_gradient", "rotation_of"]
+__all__ = ["POSE_SIZE", "Pose", "pose_gradient"]
 
 # shift (3), logarithm of scale (1), turn (3)
 POSE_SIZE = 7
@@ -31,7 +31,7 @@ class Pose:
 
     def then(self, step: FloatArray) -> Pose:
         """This pose followed by a small one (7,): shift, logarithm of scale, rotation vector."""
-        turn = rotation_of(step[4:7]).T
+        turn = _rotation(step[4:7]).T
         scale = float(np.exp(step[3]))
         return Pose(
             turn=self.turn @ turn, scale=self.scale * scale, shift=scale * self.shift @ turn + step[:3]
@@ -51,7 +51,7 @@ def pose_gradient(cells: Cells, lattice: Lattice) -> FloatArray:
     return np.column_stack([normal, along, np.cross(place, normal)]) / lattice.spacing
 
 
-def rotation_of(vector: FloatArray) -> FloatArray:
+def _rotation(vector: FloatArray) -> FloatArray:
     """Return the rotation matrix (3, 3) of a rotation vector (3,), radians (Rodrigues)."""
     angle = float(np.linalg.norm(vector))
     x, y, z = vector

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from meshmark.geometry.frame import Frame
+from meshmark.geometry.similarity import rotation_of
 from meshmark.mesh import FloatArray
-from meshmark.ownership.carriers.pose import rotation_of
 from meshmark.ownership.points.carried_coordinates import Carried
 from meshmark.ownership.points.parameters import STEPS
 from meshmark.ownership.points.point_lattice import PointLattice

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 
 from meshmark.certificate.certificate import Certificate
 from meshmark.geometry.frame import Frame, frame_alternatives
+from meshmark.geometry.registration.corner_matching import corners_to_keep, match_corners
 from meshmark.ownership.carriers.lattice_label import Label
 from meshmark.ownership.carriers.reading import Reading
 from meshmark.ownership.parameters import SURELY_SKEW
@@ -44,12 +46,16 @@ def registered_readings_of_points(search: Search) -> Iterator[Reading]:
     if reference is None or len(search.surface.points) > MOST_POINTS:
         return
     if isinstance(reference, Certificate):
-        label = Label.of_hex(reference.lattice)
+        label, home, corners = Label.of_hex(reference.lattice), reference.frame, reference.corners
     else:
-        label = Label.of_shape(marked_surface(reference).invariants, search.key)
-    for frame in starting_frames(search.surface, reference):
-        carried = Carried(search.surface, frame)
-        yield from _readings(search, carried, (frame,), (label,))
+        original = marked_surface(reference)
+        label, home = Label.of_shape(original.invariants, search.key), original.frame
+        corners = corners_to_keep(home.to_canonical(original.points), original.faces)
+    surface = search.surface
+    fits = match_corners(corners, surface.points, surface.faces)
+    frames = [replace(home, centre=fit.shift, scale=fit.scale, axes=fit.rotation) for fit in fits]
+    for frame in frames or starting_frames(surface, reference):
+        yield from _readings(search, Carried(surface, frame), (frame,), (label,))
 
 
 def _swept_readings(

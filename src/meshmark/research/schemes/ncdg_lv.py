@@ -77,8 +77,14 @@ class NcdgLvCertificate(NcdgLvOriginal):
         reading = find(Search(surface=weld(marked), key=key, effort="plain")).reading
         if reading is None:
             raise InputError("the marked model has too few carriers to certify")
-        made = certify(marked, reading.spacing, reading.step, "standard", lattice=str(reading.label))
-        return made.with_carriers(at_points=reading.at_points)
+        return certify(
+            marked,
+            reading.spacing,
+            reading.step,
+            "standard",
+            lattice=str(reading.label),
+            at_points=reading.at_points,
+        )
 
 
 def _to_id(bits: Bits) -> int:
