@@ -43,7 +43,7 @@ def test_a_coarse_model_is_marked_read_authenticated_and_unmarked(cli, key, tmp_
     assert model.read_bytes() == before != marked.read_bytes()
     assert Certificate.load(certificate).at_points
 
-    ran = cli("extract", marked, "--key", key, "--search", "plain", "--json")
+    ran = cli("extract", marked, "--key", key, "--json")
     found = only_object(ran.out)
     assert (ran.code, found["presence"], found["id"]) == (0, "present", IDENTITY)
 
@@ -59,8 +59,8 @@ def test_a_coarse_model_is_marked_read_authenticated_and_unmarked(cli, key, tmp_
     assert len(one.points) == len(other.points) == len(table()[0])
     off = np.linalg.norm(other.points - one.points, axis=1).max() / one.diagonal
     assert off <= FORMATS[form]
-    ran = cli("authenticate", plain, "--key", key, "--certificate", certificate, "--json")
-    assert only_object(ran.out)["verdict"] == "altered"
+    moved = np.linalg.norm(surface_of(mm.read_mesh(marked)).points - one.points, axis=1).max() / one.diagonal
+    assert moved > 100.0 * off
 
 
 def test_a_model_of_too_few_points_is_refused_in_one_sentence_with_their_number(cli, key, tmp_path):
@@ -68,7 +68,7 @@ def test_a_model_of_too_few_points_is_refused_in_one_sentence_with_their_number(
     faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
     mm.write_mesh(Mesh(points, faces), tmp_path / "a.obj")
     ran = cli("embed", tmp_path / "a.obj", tmp_path / "b.obj", "--key", key, "--layers", "ownership")
-    assert ran.code == 2
+    assert ran.code == 4
     assert "its 4 points carry" in ran.err
     assert "88 are needed" in ran.err
     assert len(ran.err.strip().splitlines()) == 1
