@@ -23,6 +23,7 @@ SLOWEST = (
     "research/test_every_scheme.py", "test_docs.py", "ownership/test_damage.py", "cli/test_demo.py",
     "cli/test_authenticate.py", "cli/test_commands.py", "cli/test_bad_models.py", "marking/test_layers.py",
     "marking/test_copies.py", "cli/test_outputs.py", "recovery/test_repair.py", "ownership/test_embedding.py",
+    "ownership/test_embedding_in_points.py", "cli/test_low_poly.py",
     "ownership/test_unsmoothed.py", "research/benchmark/test_resuming.py", "research/benchmark/test_page.py",
     "research/benchmark/test_plots.py",
 )  # fmt: skip
