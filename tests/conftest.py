@@ -20,7 +20,8 @@ settings.load_profile("meshmark")
 # The files that take longest, the slowest first. Several processes take files in this order, so that none is left
 # with a long one in the end (`make test`; seconds of processor time: `pytest --durations`).
 SLOWEST = (
-    "marking/test_copies.py", "ownership/test_embedding.py", "research/test_every_scheme.py",
+    "marking/test_copies.py", "ownership/test_embedding_in_points.py", "ownership/test_embedding.py",
+    "research/test_every_scheme.py",
     "marking/test_layers.py", "cli/test_demo.py", "test_docs.py", "ownership/test_damage.py",
     "research/benchmark/test_run.py", "authentication/test_as_written.py", "recovery/test_repair.py",
     "ownership/test_extraction_answers.py", "cli/test_outputs.py", "cli/test_authenticate.py",
@@ -28,7 +29,12 @@ SLOWEST = (
     "research/benchmark/test_resuming.py", "research/benchmark/test_page.py", "metrics/test_msdm2.py",
     "recovery/test_recovery_placing.py", "cli/test_bad_models.py", "research/benchmark/test_forging.py",
     "ownership/test_shortfall.py", "authentication/test_rounded.py", "research/benchmark/test_plots.py",
+    "cli/test_low_poly.py",
 )  # fmt: skip
+
+
+# Ways of searching that read the surface as it stands, or by a reference.
+CHEAP = {"as it stands", "points as they stand", "registered", "points registered"}
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
@@ -63,8 +69,8 @@ def short_search(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let a search read the surface as it stands and by a reference only; tests/ownership has all ways."""
     from meshmark.ownership import extraction
 
-    kept = tuple(way for way in extraction.STRATEGIES if way.name in {"as it stands", "registered"})
-    assert len(kept) == 2
+    kept = tuple(way for way in extraction.STRATEGIES if way.name in CHEAP)
+    assert len(kept) == len(CHEAP)
     monkeypatch.setattr(extraction, "STRATEGIES", kept)
 
 

@@ -59,6 +59,21 @@ def test_fields_of_later_versions_are_kept(values, tmp_path):
     assert Certificate.load(tmp_path / "again").more == read.more
 
 
+@pytest.mark.parametrize("at_points", [True, False])
+def test_it_says_whether_the_id_lies_in_points(certificate, at_points, tmp_path):
+    told = certificate.with_carriers(at_points=at_points)
+    told.save(tmp_path / "a.cert")
+    assert json.loads((tmp_path / "a.cert").read_text())["carriers"] == ("points" if at_points else "cells")
+    assert Certificate.load(tmp_path / "a.cert").at_points is at_points
+    assert certificate.more == {}
+    assert told.with_carriers(at_points=not at_points).at_points is not at_points
+
+
+def test_an_older_certificate_without_the_field_is_of_cells(certificate, tmp_path):
+    certificate.save(tmp_path / "a.cert")
+    assert not Certificate.load(tmp_path / "a.cert").at_points
+
+
 def test_no_vertex_of_the_surface_is_in_it(certificate):
     points, _ = lump(48)
     places = certificate.frame.to_scene(certificate.landmarks.places)

@@ -59,3 +59,32 @@ def test_size_place_and_unit_make_no_difference():
     other = VisibleChange(1e-3 * POINTS + 7.0, FACES).of(1e-3 * (POINTS + change) + 7.0)
     assert other.median == pytest.approx(one.median, rel=1e-3)
     assert other.share == pytest.approx(one.share, abs=0.01)
+
+
+def doubled(points, faces):
+    """Return faces that are there twice, once facing each way."""
+    return np.concatenate([faces, faces[:, ::-1]])
+
+
+def test_doubled_faces_have_no_normals_that_could_change():
+    points, faces = pebble(24)
+    other, sheet = pebble(20)
+    both = np.concatenate([points, 0.3 * other + [4.0, 0.0, 0.0]])
+    more = np.concatenate([faces, doubled(other, sheet) + len(points)])
+    seen = VisibleChange(both, more)
+    rough = 0.02 * np.random.default_rng(3).normal(size=both.shape)
+    on_doubled = np.arange(len(both)) >= len(points)
+    moved = seen.of(both + np.where(on_doubled[:, None], rough, 0.0))
+    assert (moved.share, moved.median) == (0.0, pytest.approx(0.0, abs=1e-5))
+    assert seen.of(both + np.where(on_doubled[:, None], 0.0, rough)).share > 0.5
+    # No patch lies around a point that says nothing.
+    assert (seen.centres < len(points)).all()
+
+
+def test_a_surface_that_is_doubled_everywhere_is_judged_without_complaint():
+    points, faces = pebble(24)
+    seen = VisibleChange(points, doubled(points, faces))
+    found = seen.of(points + 0.01 * np.random.default_rng(4).normal(size=points.shape))
+    assert found.share == 0.0
+    assert np.isfinite([found.median, found.p95, found.smooth]).all()
+    assert np.isfinite(seen.noticed).all()

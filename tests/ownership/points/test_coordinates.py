@@ -39,7 +39,7 @@ def test_planes_creases_and_corners_carry_as_many_as_the_mode_says(mode):
 
 def test_every_mode_carries_what_the_one_before_does():
     tensor, _ = turned_box()
-    for one, other in pairwise(MODES):
+    for one, other in some(pairwise(MODES), 3):
         less, more = chosen_coordinates(tensor, one), chosen_coordinates(tensor, other)
         assert (more[less]).all()
         assert more.sum() > less.sum()
@@ -60,7 +60,7 @@ def test_the_choice_does_not_hang_on_rounding():
     for shape in ((points, faces), (points @ TURN.T, faces), ball(1)):
         rough = np.random.default_rng(2).normal(size=shape[0].shape) * 1e-7
         tensors = [stars_of(places, shape[1]).tensor for places in (shape[0], shape[0] + rough)]
-        for mode in MODES:
+        for mode in some(MODES):
             one, other = (chosen_coordinates(tensor, mode) for tensor in tensors)
             np.testing.assert_array_equal(one, other)
 

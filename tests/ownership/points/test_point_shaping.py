@@ -92,8 +92,9 @@ def test_the_frame_is_that_of_the_original(name, mode):
     assert gap > min(MOMENTS_APART[0], MOMENTS_APART[1] * BUDGET) - 1e-6
     # As far as an error of 1e-7 in the moments turns axes whose own differ by this.
     assert axes_turned(before, after) < 1e-7 / gap
-    if name != "prism":
-        np.testing.assert_allclose(after.moments, before.moments, atol=1e-6)
+    # Only the equal moments of the prism have to change: half of what they are pushed apart.
+    tolerance = 1e-6 + (MOMENTS_APART[0] / 2.0 if name == "prism" else 0.0)
+    np.testing.assert_allclose(after.moments, before.moments, atol=tolerance)
 
 
 def test_moments_that_were_equal_are_apart_afterwards():
@@ -184,7 +185,7 @@ def test_points_that_lie_in_the_edges_of_others_stay_in_them():
     seen = 0
     for axis in range(3):
         other = [i for i in range(3) if i != axis]
-        for low in np.ndindex(2, 2):
+        for low in some(np.ndindex(2, 2), 4):
             at = np.flatnonzero(np.isclose(points[:, other], size[other] * low).all(axis=1))
             order = at[np.argsort(points[at, axis])]
             first, last = moved[order[0]], moved[order[-1]]
