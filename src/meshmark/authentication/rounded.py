@@ -20,9 +20,9 @@ __all__ = ["Requantised", "Rounded", "requantised", "rounded_everywhere"]
 _GROUPS, _CHANCE, _TOGETHER = (32, 64, 128), 1e-3, 4
 # A grid this much coarser than the error that marks were made for, as they tell it, is what they were made for.
 _SAME = 1.3
-# Points that one of those without a mark may stand for; fewest places, and the most of the altered points that lie
-# in one of them, where points were removed by simplification.
-_REMOVED, _PLACES, _IN_ONE = 2.0, 3, 0.6
+# Points that one of those without a mark may stand for; fewest places where points were removed by simplification,
+# fewest where their number is not known, and the most of the altered points that lie in one of them.
+_REMOVED, _PLACES, _MANY, _IN_ONE = 2.0, 2, 10, 0.8
 # Where more of the points fail, what else was changed cannot be decided.
 _MOST = 0.5
 
@@ -43,11 +43,11 @@ class Rounded:
 class Requantised:
     """An export that rounded positions no more coarsely than the marks bear.
 
-    bits: of its grid, None: not known. points_less: points that it removed here and there, as simplification does.
+    bits: of its grid, None: not known. simplified: points were removed here and there, too.
     """
 
     bits: int | None
-    points_less: int = 0
+    simplified: bool = False
 
 
 def requantised(mesh: Mesh, found: Examination) -> Requantised | None:
@@ -58,25 +58,26 @@ def requantised(mesh: Mesh, found: Examination) -> Requantised | None:
     if not (found.marked and found.checks.requantised):
         return None
     coarse = coarse_digits(mesh.vertices)
-    return Requantised(bits=None if coarse is None else coarse.bits, points_less=_simplified(found))
+    return Requantised(bits=None if coarse is None else coarse.bits, simplified=_simplified(found))
 
 
-def _simplified(found: Examination) -> int:
-    """Return how many points were removed here and there; 0 where not, or where something else may explain it.
+def _simplified(found: Examination) -> bool:
+    """Return whether points were removed here and there, and nothing else need explain what fails.
 
-    Each leaves points around it without a mark, in many places. One place with most of them is an edit, and a part
-    of its own that is gone leaves none.
+    Each leaves points around it without a mark, in several places. One place with most of them is an edit, and a
+    part of its own that is gone leaves none. Where so much fails that the payload is not read, the number of points
+    is not known, and there must be many places.
     """
-    missing, checks = found.points_missing or 0, found.checks
-    failing = checks.eligible & ~checks.verified
-    if missing <= 0 or missing > failing.sum() * _REMOVED or checks.new_boundary.any():
-        return 0
+    missing, checks = found.points_missing, found.checks
+    known = found.payload is not None
+    failing = int((checks.eligible & ~checks.verified).sum())
+    if checks.new_boundary.any() or (known and not 0 < (missing or 0) <= _REMOVED * failing):
+        return False
     rows = np.flatnonzero(found.altered)
-    if len(rows):
-        count = np.bincount(connected_components(found.surface.graph[rows][:, rows])[1])
-        if len(count) < _PLACES or count.max() > _IN_ONE * len(rows):
-            return 0
-    return missing
+    if not len(rows):
+        return known
+    count = np.bincount(connected_components(found.surface.graph[rows][:, rows])[1])
+    return bool(len(count) >= (_PLACES if known else _MANY) and count.max() <= _IN_ONE * len(rows))
 
 
 def rounded_everywhere(mesh: Mesh, found: Examination) -> Rounded | None:

@@ -101,10 +101,10 @@ def of_rounded(rounded: Rounded, beyond: Sequence[str]) -> str:
 def of_requantised(export: Requantised, verdict: str) -> str:
     """Return the sentence, or its beginning, of a model that an export rounded as its marks bear."""
     bits = "" if export.bits is None else f" to {export.bits} bits"
-    if export.points_less:
+    if export.simplified:
         return (
-            f"Requantised{bits} and simplified: {export.points_less:,} points are fewer, here and there; whether "
-            "more was changed in these places cannot be told, elsewhere nothing was."
+            f"Requantised{bits} and simplified: points are fewer here and there; whether more was changed in these "
+            "places cannot be told, elsewhere nothing was."
         )
     return (
         f"Requantised{bits}, otherwise as signed off." if verdict == "authentic" else f"Requantised{bits}; "

@@ -140,7 +140,7 @@ def authenticate(mesh: Mesh, key: Key, *, reference: Certificate | Mesh | None =
     start = perf_counter()
     found = examine(mesh, key, reference)
     export = requantised(mesh, found)
-    verdict = "inconclusive" if export is not None and export.points_less else _verdict(found)
+    verdict = "inconclusive" if export is not None and export.simplified else _verdict(found)
     causes = _causes(mesh, key, found, reference)
     if verdict == "authentic" and causes:
         verdict = "surface_intact"

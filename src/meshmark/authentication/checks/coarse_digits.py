@@ -62,7 +62,7 @@ _Ways = Iterator[tuple[str, float, FloatArray, int | None]]
 
 
 def _decimals(vertices: FloatArray) -> _Ways:
-    """Yield what decimals are called, their step, how far off it (n, 3) coordinates are, in what is allowed; None."""
+    """Yield what decimals are called, their step, how far off it (n, 3) coordinates are, in what is allowed."""
     for count in _DECIMALS:
         step = 10.0**-count
         if (off := _off(vertices, step, np.abs(vertices))) is not None:
