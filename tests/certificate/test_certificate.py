@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -54,24 +55,28 @@ def test_the_same_mesh_gives_the_same_file(certificate, tmp_path):
 def test_fields_of_later_versions_are_kept(values, tmp_path):
     (tmp_path / "more").write_text(json.dumps({**values, "digests": [1, 2]}))
     read = Certificate.load(tmp_path / "more")
-    assert read.more == {"digests": [1, 2]}
+    assert read.more == {"carriers": "cells", "digests": [1, 2]}
     read.save(tmp_path / "again")
     assert Certificate.load(tmp_path / "again").more == read.more
 
 
 @pytest.mark.parametrize("at_points", [True, False])
-def test_it_says_whether_the_id_lies_in_points(certificate, at_points, tmp_path):
-    told = certificate.with_carriers(at_points=at_points)
+def test_it_says_whether_the_id_lies_in_points(at_points, tmp_path):
+    told = certify(Mesh(*lump(48)), 0.25, 0.06, "standard", lattice=LABEL, at_points=at_points)
     told.save(tmp_path / "a.cert")
     assert json.loads((tmp_path / "a.cert").read_text())["carriers"] == ("points" if at_points else "cells")
-    assert Certificate.load(tmp_path / "a.cert").at_points is at_points
-    assert certificate.more == {}
-    assert told.with_carriers(at_points=not at_points).at_points is not at_points
+    read = Certificate.load(tmp_path / "a.cert")
+    assert read.at_points is at_points
+    if at_points:
+        assert read.corners.shape == (100, 3, 3)
+        np.testing.assert_array_equal(read.corners, told.corners)
 
 
-def test_an_older_certificate_without_the_field_is_of_cells(certificate, tmp_path):
-    certificate.save(tmp_path / "a.cert")
-    assert not Certificate.load(tmp_path / "a.cert").at_points
+@pytest.mark.parametrize("text", ["?", "AAAA", None, 7])
+def test_corners_that_are_none_are_refused(certificate, text):
+    broken = replace(certificate, more={"carriers": "points", "corners": text})
+    with pytest.raises(InputError, match="corners"):
+        _ = broken.corners
 
 
 def test_no_vertex_of_the_surface_is_in_it(certificate):

@@ -23,9 +23,10 @@ from meshmark.ownership.extraction import find
 from meshmark.ownership.search.search import Search
 from meshmark.ownership.search.trials import TrialCounter
 from meshmark.strengths import BUDGETS, VISIBLE_SHARES
+from tests import low_poly
 from tests.keys import ID, KEY, OTHER
+from tests.low_poly import welded
 from tests.marked import marked_pebble
-from tests.shapes import pebble
 
 
 def embed(mesh: Mesh, key: Key, **options: Any) -> Embedding:
@@ -124,7 +125,7 @@ def test_a_symmetric_shape_gets_axes_of_its_own(model):
 
 
 def test_too_little_surface_is_refused_with_what_is_missing():
-    box = Mesh(*pebble(3))
+    box = Mesh(*welded(low_poly.box((1, 1, 1), (1.0, 1.3, 1.7))))
     with pytest.raises(
         CapacityError, match=r"needs about \d+ carriers .*, has \d+ .*; its triangles are .* long"
     ):

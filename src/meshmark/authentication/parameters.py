@@ -31,7 +31,7 @@ __all__ = [
 ]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Layout:
     """How the word of a mark is laid out.
 
@@ -124,7 +124,7 @@ FINE: Final = Style(
     tolerance=1.0,
     firm=4.0,
     layouts=tuple(
-        Layout(bits, check)
+        Layout(bits=bits, check=check)
         for bits, check in {18: 8, 17: 7, 16: 6, 15: 6, 14: 6, 13: 6, 12: 6, 11: 6, 10: 6}.items()
     ),
 )
@@ -135,7 +135,10 @@ WEB: Final = Style(
     hash_least=10.0,
     tolerance=0.55,
     firm=1.0,
-    layouts=(Layout(10, 6, 4, 2.0), Layout(9, 5, 4, 2.0)),
+    layouts=(
+        Layout(bits=10, check=6, rise=4, window=2.0),
+        Layout(bits=9, check=5, rise=4, window=2.0),
+    ),
 )
 STYLES: Final = (FINE, WEB)
 # Ids that are tried where some of their pieces are in doubt: all 16 values of one of 4 bits, two of another.
