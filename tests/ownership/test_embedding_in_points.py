@@ -212,3 +212,16 @@ def test_the_certificate_and_the_original_read_the_mark_of_a_part():
     for reference in (certificate, Mesh(*SHAPES["slab"])):
         found = extract(part, KEY, search="plain", reference=reference)
         assert (found.presence, found.id) == ("present", ID)
+
+
+@pytest.mark.parametrize("kind", ["certificate", "original"])
+def test_what_is_left_of_a_model_is_read_with_a_reference(kind):
+    made = marked("frustum")
+    reference = made.certificate if kind == "certificate" else Mesh(*SHAPES["frustum"])
+    mesh = turned(made.mesh)
+    middles = mesh.vertices[mesh.faces].mean(axis=1)
+    away = np.linalg.norm(middles - middles[0], axis=1)
+    left = Mesh(mesh.vertices, mesh.faces[away > np.quantile(away, 0.2)])
+    assert extract(left, KEY, search="plain").id is None
+    assert extract(left, KEY, reference=reference, search="plain").id == ID
+    assert extract(left, OTHER, reference=reference, search="plain").id is None
