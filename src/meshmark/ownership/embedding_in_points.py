@@ -114,8 +114,9 @@ def _made(task: EmbeddingTask, shaping: PointShaping, choice: Choice) -> Mesh | 
 
 def _told(task: EmbeddingTask, marked: Mesh, lattice: PointLattice, choice: Choice) -> float:
     """Return how many bits a mark tells as it is read; points that could not be set say what chance has."""
-    surface = surface_of_moved(marked, task.mesh)
-    framed = Framed.of(surface, Carried(surface, surface.frame), surface.frame, lattice)
+    # In the frame that was held: that of the marked surface may be another turn of it.
+    surface, frame = surface_of_moved(marked, task.mesh), task.surface.frame
+    framed = Framed.of(surface, Carried(surface, frame), frame, lattice)
     reading = framed.reading(choice, 1.0)
     wrong = 0.5 * (1.0 - max(reading.score, 0.0) / max(len(reading.phase), 1))
     entropy = -sum(share * np.log2(share) for share in (wrong, 1.0 - wrong) if share > 0.0)

@@ -53,5 +53,6 @@ LARGEST: Final = {"subtle": 5e-4, "standard": 1.5e-3, "strong": 4e-3}
 MOST_POINTS: Final = 100_000
 # A face whose normal turns by more than this cosine was folded over: its points stay where they are.
 LIFTED: Final = 0.7
-# Second moments, shares of their sum, are kept this far apart, or this many budgets, whichever is less.
-MOMENTS_APART: Final = (0.0015, 1.9)
+# Second moments, shares of their sum, are kept this far apart, or this many RMS budgets times the width of the
+# model along the two axes (all in canonical units), whichever is less.
+MOMENTS_APART: Final = (0.0015, 1.2)

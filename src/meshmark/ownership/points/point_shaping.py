@@ -81,7 +81,10 @@ class PointShaping:
         self._start = Carried(surface, self._frame)
         self._points = self._frame.to_canonical(surface.points)
         self._largest = largest * surface.diagonal / self._frame.scale
-        moments = _apart(self._frame.moments, min(MOMENTS_APART[0], MOMENTS_APART[1] * budget))
+        # Stretching by this much moves points by a part of the budget, whatever the model's proportions.
+        widths = np.sqrt(0.5 * (self._frame.moments[:-1] + self._frame.moments[1:]))
+        bearable = MOMENTS_APART[1] * budget * surface.diagonal / self._frame.scale * widths
+        moments = _apart(self._frame.moments, np.minimum(MOMENTS_APART[0], bearable))
         self._goal = np.concatenate([np.zeros(3), moments, np.zeros(3)])
         # Stretching the whole keeps planes plane; what it leaves of the moments, some points make up for.
         self._stretched = self._points * np.sqrt(moments / np.maximum(self._frame.moments, 1e-12))
@@ -205,12 +208,12 @@ def _touched(joints: csr_array, points: IntArray, count: int) -> NDArray[np.bool
     return touched
 
 
-def _apart(moments: FloatArray, gap: float) -> FloatArray:
-    """Return falling second moments (3,), of the same sum, that are `gap` apart."""
+def _apart(moments: FloatArray, gaps: FloatArray) -> FloatArray:
+    """Return falling second moments (3,), of the same sum, that are these gaps (2,) apart."""
     moments = moments.copy()
     for _ in range(20):
         for i in range(2):
-            short = max(gap - (moments[i] - moments[i + 1]), 0.0)
+            short = max(float(gaps[i] - (moments[i] - moments[i + 1])), 0.0)
             moments[i] += short / 2.0
             moments[i + 1] -= short / 2.0
     return np.asarray(moments / moments.sum())

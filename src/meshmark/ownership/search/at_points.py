@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
+from itertools import chain
 
 from meshmark.certificate.certificate import Certificate
 from meshmark.geometry.frame import Frame, frame_alternatives
 from meshmark.geometry.registration.corner_matching import corners_to_keep, match_corners
+from meshmark.geometry.surface import Surface
+from meshmark.mesh import Mesh
 from meshmark.ownership.carriers.lattice_label import Label
 from meshmark.ownership.carriers.reading import Reading
 from meshmark.ownership.parameters import SURELY_SKEW
@@ -53,9 +56,15 @@ def registered_readings_of_points(search: Search) -> Iterator[Reading]:
         corners = corners_to_keep(home.to_canonical(original.points), original.faces)
     surface = search.surface
     fits = match_corners(corners, surface.points, surface.faces)
-    frames = [replace(home, centre=fit.shift, scale=fit.scale, axes=fit.rotation) for fit in fits]
-    for frame in frames or starting_frames(surface, reference):
+    matched = (replace(home, centre=fit.shift, scale=fit.scale, axes=fit.rotation) for fit in fits)
+    # Landmarks cost more, and are looked at only where what the corners tell is not it.
+    landmarks = _lazily(surface, reference)
+    for frame in chain(matched, landmarks):
         yield from _readings(search, Carried(surface, frame), (frame,), (label,))
+
+
+def _lazily(surface: Surface, reference: Certificate | Mesh) -> Iterator[Frame]:
+    yield from starting_frames(surface, reference)
 
 
 def _swept_readings(
