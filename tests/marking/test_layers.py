@@ -203,15 +203,10 @@ def test_a_payload_is_read_from_scattered_marks_though_the_map_believes_few(mode
 
 
 def test_a_small_model_whose_marks_do_not_tell_the_id_is_marked_for_the_layer_below_tells_it():
-    small = Mesh(*pebble(48))
+    small = Mesh(*pebble(32))
     silent = False
-    for identity in (
-        6,
-        7,
-        3,
-        4,
-        5,
-    ):  # one draw in five or so; where sums differ in their last digits, another one
+    # One draw in two or so; where sums differ in their last digits, another one.
+    for identity in (5, 6, 7, 8, 9):
         result = embed(small, KEY, id=identity, payload="none")
         silent = check(weld(result.mesh), KEY).nonce is None
         found = authenticate(result.mesh, KEY)
