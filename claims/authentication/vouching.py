@@ -68,7 +68,7 @@ class Vouching:
         spread = np.concatenate([shape.spread for _, shape in parts])
         self.typical_step = float(np.median(spread)) * sqrt(2.0) * setting.unit
         self._setting = replace(setting, doubt=setting.doubt + _MORE_DOUBT)
-        self._window = _WIDER * window_of(swept.read.off[holds])
+        self._window = _WIDER * window_of(swept.read.off[holds], setting.layout)
         self._rounded, self._nonce = swept.rounded, swept.nonce
         graph = adjacency(unique_edges(self.surface.faces), len(points)).astype(bool)
         graph.setdiag(True)
