@@ -31,6 +31,7 @@ COMMANDS = {
     "lattice_labels": "docs/decisions/0020-one-lattice-per-model.md",
     "marks": "docs/decisions/0008-authentication-marks.md",
     "metrics_validation": "docs/decisions/0005-metrics.md",
+    "point_locks": "docs/results/coarse.md",
     "princeton": "docs/results/field-files.md",
     "published": "docs/results/published.md",
     "recovery": "docs/decisions/0007-payload-recovery.md",

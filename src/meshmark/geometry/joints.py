@@ -101,7 +101,7 @@ def _on_edges(surface: Surface, place: IntArray, tolerance: float) -> tuple[IntA
         edge = np.repeat(part, [len(each) for each in near])
         point = at_border[np.concatenate([np.asarray(each, dtype=np.int64) for each in near])]
         arm = points[point] - points[start[edge]]
-        share = np.einsum("ij,ij->i", arm, along[edge]) / np.maximum(length[edge], 1e-300) ** 2
+        share = np.einsum("ij,ij->i", arm, along[edge]) / np.maximum(length[edge] ** 2, 1e-300)
         off = np.linalg.norm(arm - share[:, None] * along[edge], axis=1)
         margin = tolerance / np.maximum(length[edge], 1e-300)
         inside = (off < tolerance) & (share > margin) & (share < 1.0 - margin)
