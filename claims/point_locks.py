@@ -43,7 +43,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for model in models_of(["train"]):
         surface = surface_of(load(DATA / model))
         if LEAST <= len(surface.points) <= MOST:
-            surfaces.append((surface, Carried(surface, surface.frame)))
+            surfaces.append((surface, Carried.of(surface, surface.frame)))
         if len(surfaces) == options.models:
             break
     random = np.random.default_rng(1)

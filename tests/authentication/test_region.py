@@ -16,11 +16,11 @@ from meshmark.authentication.regions.region_classifier import distortion
 from meshmark.authentication.regions.region_evidence import (
     FEATURES,
     _log10_tail,
-    connected_parts,
     region_evidence,
 )
 from meshmark.errors import InputError
 from meshmark.geometry.adjacency import adjacency, unique_edges
+from meshmark.geometry.components import connected_parts
 from meshmark.research.training import region_training
 from meshmark.research.training.region_training import area_under_curve, train_classifier
 from meshmark.research.training.region_trials import RegionTrial

@@ -18,6 +18,7 @@ from meshmark.errors import FormatError, InputError
 from meshmark.io.gltf.parse import parse_glb, parse_gltf
 from tests.counting import Share
 from tests.io.gltf_samples import SAMPLES, Sample, cube, instances, rich
+from tests.io.sentences import check_sentence
 
 HERE = Path("nowhere/model.gltf")
 NUMBERS = [-1, 0, 1, 3, 1.0, 1.5, 5126, 2**31, 2**63, 10**400, 1e308]
@@ -43,11 +44,6 @@ def read_or_refuse(data: bytes, glb: bool, share: Share) -> None:
         document.attributes()
     except InputError as error:
         check_sentence(str(error))
-
-
-def check_sentence(message: str) -> None:
-    assert message
-    assert "\n" not in message
 
 
 def paths_in(tree: Any, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:

@@ -12,37 +12,25 @@ from meshmark.io import FORMATS, conform, read_mesh, write_mesh
 from meshmark.io.formats import OTHER_NAMES
 from meshmark.mesh import Mesh
 from tests.counting import some
+from tests.io.saving import TETRAHEDRON, files_below
 from tests.io.text_samples import SAMPLES
 
-TETRA = Mesh(
-    np.array([[0, 0, 0], [1, 0, 0], [0, 1, 1 / 3], [0, 0, 1]]),
-    np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]),
-)
 EXTENSIONS = [extension for entry in FORMATS.values() for extension in entry.extensions]
-
-
-@pytest.fixture
-def source(tmp_path: Path) -> Path:
-    path = tmp_path / "model.obj"
-    path.write_bytes(SAMPLES["obj"].data)
-    return path
-
-
-def files_below(folder: Path) -> dict[str, bytes]:
-    return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
 @pytest.mark.parametrize("packed", ["", ".gz"])
 @pytest.mark.parametrize("extension", EXTENSIONS)
 def test_a_mesh_made_in_memory_is_written_and_read_back(tmp_path: Path, extension: str, packed: str) -> None:
     path = tmp_path / f"made{extension}{packed}"
-    report = write_mesh(TETRA, path)
+    report = write_mesh(TETRAHEDRON, path)
     assert report.files[0] == path
     assert report.dropped == ()
     again = read_mesh(path)
-    np.testing.assert_allclose(again.vertices[again.faces], TETRA.vertices[TETRA.faces], atol=1e-6)
+    np.testing.assert_allclose(
+        again.vertices[again.faces], TETRAHEDRON.vertices[TETRAHEDRON.faces], atol=1e-6
+    )
     exact = extension in (".off", ".obj", ".ply")
-    assert not exact or np.array_equal(again.vertices, TETRA.vertices)
+    assert not exact or np.array_equal(again.vertices, TETRAHEDRON.vertices)
     assert set(files_below(tmp_path)) == {file.name for file in report.files}
 
 
@@ -51,7 +39,7 @@ def test_a_mesh_made_in_memory_is_written_and_read_back(tmp_path: Path, extensio
 def test_saving_unmoved_gives_the_same_bytes(tmp_path: Path, extension: str, packed: str) -> None:
     path, out = tmp_path / f"made{extension}{packed}", tmp_path / "out"
     out.mkdir()
-    write_mesh(TETRA, path)
+    write_mesh(TETRAHEDRON, path)
     write_mesh(read_mesh(path), out / path.name)
     assert files_below(out) == {name: data for name, data in files_below(tmp_path).items() if "/" not in name}
 
@@ -61,14 +49,14 @@ def test_moved_and_conformed(source: Path, tmp_path: Path) -> None:
     moved = mesh.with_vertices(mesh.vertices + 1 / 3)
     write_mesh(moved, tmp_path / "out.obj")
     np.testing.assert_array_equal(read_mesh(tmp_path / "out.obj").vertices, conform(mesh, moved.vertices))
-    np.testing.assert_array_equal(conform(TETRA, TETRA.vertices), TETRA.vertices)
+    np.testing.assert_array_equal(conform(TETRAHEDRON, TETRAHEDRON.vertices), TETRAHEDRON.vertices)
 
 
 def test_equal_meshes_give_equal_files(tmp_path: Path) -> None:
     for extension in some(EXTENSIONS):
         (tmp_path / "b").mkdir(exist_ok=True)
-        write_mesh(TETRA, tmp_path / f"a{extension}.gz")
-        write_mesh(TETRA, tmp_path / "b" / f"a{extension}.gz")
+        write_mesh(TETRAHEDRON, tmp_path / f"a{extension}.gz")
+        write_mesh(TETRAHEDRON, tmp_path / "b" / f"a{extension}.gz")
         assert (tmp_path / f"a{extension}.gz").read_bytes() == (
             tmp_path / "b" / f"a{extension}.gz"
         ).read_bytes()
@@ -136,7 +124,7 @@ def test_formats_without_a_name(source: Path, tmp_path: Path) -> None:
     write_mesh(mesh, tmp_path / "plain")
     assert (tmp_path / "plain").read_bytes() == source.read_bytes()
     with pytest.raises(InputError, match="no extension of a known format"):
-        write_mesh(TETRA, tmp_path / "plain")
+        write_mesh(TETRAHEDRON, tmp_path / "plain")
 
 
 def test_the_extension_of_the_input_may_be_kept(source: Path, tmp_path: Path) -> None:
@@ -148,8 +136,8 @@ def test_the_extension_of_the_input_may_be_kept(source: Path, tmp_path: Path) ->
 
 @pytest.mark.parametrize(("extension", "format_"), OTHER_NAMES.items())
 def test_other_names_of_formats(tmp_path: Path, extension: str, format_: str) -> None:
-    write_mesh(TETRA, tmp_path / f"a{extension}")
-    write_mesh(TETRA, tmp_path / f"a.{format_}")
+    write_mesh(TETRAHEDRON, tmp_path / f"a{extension}")
+    write_mesh(TETRAHEDRON, tmp_path / f"a.{format_}")
     mesh = read_mesh(tmp_path / f"a{extension}")
     assert mesh.document is not None
     assert mesh.document.format == format_

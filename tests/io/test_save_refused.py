@@ -15,23 +15,7 @@ from meshmark.errors import InputError, OutputError
 from meshmark.io import read_mesh, write_mesh
 from meshmark.io import save as save_module
 from meshmark.mesh import Mesh
-from tests.io.text_samples import SAMPLES
-
-TETRA = Mesh(
-    np.array([[0, 0, 0], [1, 0, 0], [0, 1, 1 / 3], [0, 0, 1]]),
-    np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]),
-)
-
-
-@pytest.fixture
-def source(tmp_path: Path) -> Path:
-    path = tmp_path / "model.obj"
-    path.write_bytes(SAMPLES["obj"].data)
-    return path
-
-
-def files_below(folder: Path) -> dict[str, bytes]:
-    return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+from tests.io.saving import TETRAHEDRON, files_below
 
 
 def test_the_input_is_refused_as_output(source: Path, tmp_path: Path) -> None:
@@ -145,7 +129,7 @@ def test_a_link_is_followed(source: Path, tmp_path: Path) -> None:
 
 
 def test_external_buffers_of_the_input_are_never_replaced(tmp_path: Path) -> None:
-    write_mesh(TETRA, tmp_path / "made.glb")
+    write_mesh(TETRAHEDRON, tmp_path / "made.glb")
     before = files_below(tmp_path)
     mesh = read_mesh(tmp_path / "made.glb")
     document = mesh.document

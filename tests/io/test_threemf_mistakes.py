@@ -14,6 +14,7 @@ from meshmark.errors import FormatError, InputError
 from meshmark.io.threemf.model_part import open_model
 from meshmark.io.threemf.parse import parse_3mf
 from tests.counting import Share
+from tests.io.sentences import check_sentence
 from tests.io.threemf_samples import MODELS, mesh, model, package, simple
 
 HERE = Path("model.3mf")
@@ -117,11 +118,6 @@ def read_or_refuse(data: bytes, share: Share) -> None:
         document.attributes()
     except InputError as error:
         check_sentence(str(error))
-
-
-def check_sentence(message: str) -> None:
-    assert message
-    assert "\n" not in message
 
 
 def test_broken_utf16_is_named() -> None:

@@ -18,7 +18,6 @@ from meshmark.ownership.embedding_in_points import embed_in_points
 from meshmark.ownership.embedding_task import EmbeddingTask
 from meshmark.ownership.points.parameters import DISTINCT_BITS, LARGEST, SIDE, STEPS
 from meshmark.ownership.search.search import Search
-from meshmark.ownership.vertex_displacement import diagonal_of
 from meshmark.strengths import BUDGETS, VISIBLE_SHARES
 from tests.counting import some
 from tests.keys import ID, KEY, OTHER
@@ -161,9 +160,7 @@ def test_a_watertight_model_stays_watertight_and_loose_corners_stay_together():
 
 def test_points_inside_the_edges_of_others_stay_in_them_and_the_id_is_read():
     mesh = Mesh(*loose_box())
-    task = EmbeddingTask(
-        mesh=mesh, key=KEY, identity=ID, strength="standard", budget=BUDGETS["standard"] * diagonal_of(mesh)
-    )
+    task = EmbeddingTask(mesh=mesh, key=KEY, identity=ID, strength="standard", rms=BUDGETS["standard"])
     result = embed_in_points(task)
     assert extract(result.mesh, KEY, search="plain").id == ID
     size = np.array([3.0, 2.0, 1.3])

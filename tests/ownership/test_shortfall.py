@@ -12,7 +12,6 @@ from meshmark.marking import both_layers, embed
 from meshmark.mesh import Mesh
 from meshmark.ownership.embedding_in_cells import embed_in_cells
 from meshmark.ownership.embedding_task import EmbeddingTask
-from meshmark.ownership.vertex_displacement import diagonal_of
 from tests.keys import ID, KEY
 from tests.low_poly import box, welded
 from tests.shapes import pebble
@@ -32,9 +31,7 @@ def subdivided(points, faces):
 
 def refusal(mesh: Mesh) -> str:
     """Return why the cells of a mesh cannot carry the id; its points may."""
-    task = EmbeddingTask(
-        mesh=mesh, key=KEY, identity=ID, strength="standard", budget=8e-4 * diagonal_of(mesh)
-    )
+    task = EmbeddingTask(mesh=mesh, key=KEY, identity=ID, strength="standard", rms=8e-4)
     with pytest.raises(CapacityError) as caught:
         embed_in_cells(task)
     return str(caught.value)

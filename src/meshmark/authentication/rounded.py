@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from meshmark.authentication.checks.coarse_digits import coarse_digits
 from meshmark.authentication.examination import Examination
-from meshmark.geometry.components import connected_components
+from meshmark.geometry.components import connected_parts
 from meshmark.geometry.kd_tree import kd_tree
 from meshmark.mesh import FloatArray, Mesh
 
@@ -73,11 +73,11 @@ def _simplified(found: Examination) -> bool:
     failing = int((checks.eligible & ~checks.verified).sum())
     if checks.new_boundary.any() or (known and not 0 < (missing or 0) <= _REMOVED * failing):
         return False
-    rows = np.flatnonzero(found.altered)
-    if not len(rows):
+    altered = found.altered
+    if not altered.any():
         return known
-    count = np.bincount(connected_components(found.surface.graph[rows][:, rows])[1])
-    return bool(len(count) >= (_PLACES if known else _MANY) and count.max() <= _IN_ONE * len(rows))
+    count = np.bincount(connected_parts(found.surface.graph, altered)[altered])
+    return bool(len(count) >= (_PLACES if known else _MANY) and count.max() <= _IN_ONE * altered.sum())
 
 
 def rounded_everywhere(mesh: Mesh, found: Examination) -> Rounded | None:

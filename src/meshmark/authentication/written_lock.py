@@ -111,7 +111,7 @@ class _PointReader(WrittenReader):
 
     def _read(self, points: FloatArray, frame: Frame) -> WrittenLock:
         surface = self._surface.moved(points)
-        framed = Framed.of(surface, Carried(surface, frame), frame, self._lattice)
+        framed = Framed.of(surface, Carried.of(surface, frame), frame, self._lattice)
         lock = framed.best_at(self._step)
         carries = framed.carrying(lock)
         place = np.stack([*np.nonzero(carries), np.zeros(np.count_nonzero(carries), np.int64)], axis=1)

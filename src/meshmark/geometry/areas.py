@@ -13,6 +13,7 @@ __all__ = [
     "face_areas",
     "longest_edges",
     "sum_at_points",
+    "vertex_area_sums",
     "vertex_areas",
     "vertex_areas_and_normals",
     "vertex_normals",
@@ -67,12 +68,18 @@ def vertex_normals(points: FloatArray, faces: IntArray) -> FloatArray:
 
 def vertex_areas_and_normals(points: FloatArray, faces: IntArray) -> tuple[FloatArray, FloatArray]:
     """Return `vertex_areas` (p,) and `vertex_normals` (p, 3) for little more than the price of one."""
+    areas, vectors = vertex_area_sums(points, faces)
+    return areas, _unit(vectors)
+
+
+def vertex_area_sums(points: FloatArray, faces: IntArray) -> tuple[FloatArray, FloatArray]:
+    """Return `vertex_areas` (p,), and the sum (p, 3) of the area vectors of the faces at each point."""
     vectors = area_vectors(points, faces)
     both = np.empty((len(faces), 4))
     both[:, :3] = vectors
     both[:, 3] = _lengths(vectors)
     sums = sum_at_points(both, faces, len(points))
-    return sums[:, 3] / 3.0, _unit(sums[:, :3])
+    return sums[:, 3] / 3.0, sums[:, :3]
 
 
 def _unit(vectors: FloatArray) -> FloatArray:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sp
 
+from meshmark.geometry.components import connected_components
 from meshmark.geometry.kd_tree import kd_tree
 from meshmark.geometry.open_edges import open_edges
 from meshmark.geometry.surface import Surface
@@ -76,7 +77,7 @@ def _places(points: FloatArray, tolerance: float) -> IntArray:
     if not len(pairs) or len(pairs) > MOST_PAIRS:
         return np.arange(len(points))
     graph = sp.coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(points),) * 2)
-    return np.asarray(sp.csgraph.connected_components(graph, directed=False)[1], dtype=np.int64)
+    return connected_components(graph)[1]
 
 
 def _on_edges(surface: Surface, place: IntArray, tolerance: float) -> tuple[IntArray, IntArray, FloatArray]:

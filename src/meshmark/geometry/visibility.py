@@ -17,12 +17,12 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from meshmark.geometry.areas import area_vectors, sum_at_points, vertex_areas
+from meshmark.geometry.areas import area_vectors, sum_at_points, vertex_area_sums
 from meshmark.geometry.kd_tree import kd_tree
 from meshmark.geometry.stiffness import diffused
 from meshmark.mesh import FloatArray, IntArray
 
-__all__ = ["Visibility", "VisibleChange"]
+__all__ = ["Visibility", "VisibleChange", "degrees_between"]
 
 # Radius of a patch over the bounding-box diagonal, a change in degrees that is just noticed on a smooth patch, and
 # the share of a patch's own detail that hides a change.
@@ -138,9 +138,8 @@ class VisibleChange:
     def of(self, points: FloatArray) -> Visibility:
         """Return how visible it is that the points (p, 3) are there now."""
         normals, _ = _normals(self._sized(points), self._faces)
-        chord = np.linalg.norm(normals[self._members] - self._normals, axis=1)
-        angle = np.degrees(2.0 * np.arcsin(np.minimum(0.5 * chord, 1.0)))
-        change = np.sqrt(self._mean @ angle**2)
+        angle = degrees_between(normals[self._members], self._normals)
+        change = np.sqrt(np.asarray(self._mean @ angle**2))
         ratio = change / self.noticed
         return Visibility(
             share=float((ratio > 1.0).mean()),
@@ -150,14 +149,19 @@ class VisibleChange:
         )
 
 
+def degrees_between(normals: FloatArray, others: FloatArray) -> FloatArray:
+    """Return the angles (n,) between unit vectors (n, 3) and others, degrees; small ones to full precision."""
+    chord = np.linalg.norm(normals - others, axis=1)
+    return np.asarray(np.degrees(2.0 * np.arcsin(np.minimum(0.5 * chord, 1.0))))
+
+
 def _normals(points: FloatArray, faces: IntArray) -> tuple[FloatArray, FloatArray]:
     """Return the unit normals (p, 3), and the area (p,) that they speak for: none where doubled faces cancel.
 
     Of a surface that is doubled everywhere each point speaks for its faces; it has no normals that could change.
     """
-    summed = sum_at_points(area_vectors(points, faces), faces, len(points))
+    areas, summed = vertex_area_sums(points, faces)
     length = np.sqrt(np.einsum("ij,ij->i", summed, summed))
-    areas = vertex_areas(points, faces)
     cancelled = length <= CANCELLED * areas
     summed[cancelled] = 0.0
     weight = areas if cancelled.all() else np.where(cancelled, 0.0, length)

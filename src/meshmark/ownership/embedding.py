@@ -10,7 +10,6 @@ from meshmark.errors import CapacityError, InputError
 from meshmark.mesh import Mesh
 from meshmark.ownership.embedding_in_cells import embed_in_cells
 from meshmark.ownership.embedding_task import EmbeddingTask, Owned
-from meshmark.ownership.vertex_displacement import diagonal_of
 from meshmark.strengths import BUDGETS, check_strength
 from meshmark.threads import on_one_thread
 
@@ -59,7 +58,7 @@ def embed(
         key=key,
         identity=identity,
         strength=strength,
-        budget=sqrt(budget**2 - reserve**2) * diagonal_of(mesh),
+        rms=sqrt(budget**2 - reserve**2),
     )
     try:
         return embed_in_cells(task)

@@ -24,9 +24,10 @@ from meshmark.ownership.points.parameters import (
     SIDE,
     STEPS,
 )
+from meshmark.ownership.points.point_choice import Choice
 from meshmark.ownership.points.point_lattice import PointLattice
 from meshmark.ownership.points.point_reading import Framed
-from meshmark.ownership.points.point_shaping import Choice, PointShaping
+from meshmark.ownership.points.point_shaping import PointShaping
 from meshmark.ownership.search.search import Search
 from meshmark.ownership.search.trials import TrialCounter
 from meshmark.ownership.vertex_displacement import displacement_rms
@@ -55,10 +56,9 @@ def embed_in_points(task: EmbeddingTask) -> Owned:
             f"its {used:,} points are too many for points to carry it, {MOST_POINTS:,} at most"
         )
     lattice = PointLattice.keyed(task.key, task.label)
-    budget = task.budget / task.diagonal
-    shaping = PointShaping(task.surface, lattice, task.bits, largest=LARGEST[task.strength], budget=budget)
+    shaping = PointShaping(task.surface, lattice, task.bits, largest=LARGEST[task.strength], budget=task.rms)
     tried: list[tuple[float, float, Mesh]] = []
-    for worth, choice in islice(_choices(shaping, budget), TRIES):
+    for worth, choice in islice(_choices(shaping, task.rms), TRIES):
         if tried and worth <= max(worth for worth, _, _ in tried):
             break  # the rest is worth less even where everything can be set
         made = _made(task, shaping, choice)
@@ -71,8 +71,7 @@ def embed_in_points(task: EmbeddingTask) -> Owned:
             mark = OwnershipMark(carriers=carriers, label=task.label, spacing=SIDE, step=step, at_points=True)
             return Owned(mesh=marked, mark=mark)
     most = max(
-        shaping.distinct_bits(Choice(step=float(STEPS[0]), mode=mode, share=1.0))
-        for mode in range(len(MODES))
+        shaping.expected(Choice(step=float(STEPS[0]), mode=mode, share=1.0))[0] for mode in range(len(MODES))
     )
     if most < DISTINCT_BITS:
         raise CapacityError(f"its {used} points carry {most} bits of the code, {DISTINCT_BITS} are needed")
@@ -87,8 +86,8 @@ def _choices(shaping: PointShaping, budget: float) -> Iterator[tuple[float, Choi
     left = []
     for step, mode, share in product(STEPS, range(len(MODES)), SHARES):
         choice = Choice(step=float(step), mode=mode, share=share)
-        count = shaping.distinct_bits(choice)
-        if count >= DISTINCT_BITS and shaping.rms(choice) <= budget:
+        count, rms = shaping.expected(choice)
+        if count >= DISTINCT_BITS and rms <= budget:
             left.append((_worth(choice, count), choice))
     left.sort(key=lambda entry: -entry[0])
     while left:
@@ -116,7 +115,7 @@ def _told(task: EmbeddingTask, marked: Mesh, lattice: PointLattice, choice: Choi
     """Return how many bits a mark tells as it is read; points that could not be set say what chance has."""
     # In the frame that was held: that of the marked surface may be another turn of it.
     surface, frame = surface_of_moved(marked, task.mesh), task.surface.frame
-    framed = Framed.of(surface, Carried(surface, frame), frame, lattice)
+    framed = Framed.of(surface, Carried.of(surface, frame), frame, lattice)
     reading = framed.reading(choice, 1.0)
     wrong = 0.5 * (1.0 - max(reading.score, 0.0) / max(len(reading.phase), 1))
     entropy = -sum(share * np.log2(share) for share in (wrong, 1.0 - wrong) if share > 0.0)

@@ -35,14 +35,14 @@ class Owned:
 class EmbeddingTask:
     """An id to be put into a mesh.
 
-    strength: "subtle", "standard" or "strong"; budget: RMS displacement at most, scene units.
+    strength: "subtle", "standard" or "strong"; rms: displacement at most, over the diagonal.
     """
 
     mesh: Mesh
     key: Key
     identity: int
     strength: str
-    budget: float
+    rms: float
 
     @cached_property
     def surface(self) -> Surface:
@@ -53,6 +53,11 @@ class EmbeddingTask:
     def diagonal(self) -> float:
         """Diagonal of the box around the vertices that faces use, scene units."""
         return diagonal_of(self.mesh)
+
+    @property
+    def budget(self) -> float:
+        """RMS displacement at most, scene units."""
+        return self.rms * self.diagonal
 
     @cached_property
     def label(self) -> Label:

@@ -6,13 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
 
 from meshmark.errors import InputError
 from meshmark.geometry.adjacency import adjacency, unique_edges
 from meshmark.geometry.areas import area_vectors
 from meshmark.geometry.closest_point import SurfaceIndex
-from meshmark.geometry.components import connected_components
+from meshmark.geometry.components import connected_parts
 from meshmark.geometry.surface import Surface
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.recovery.borders import border_edges
@@ -103,7 +102,7 @@ def _moved_back(
     miniature itself is off stays as it is.
     """
     graph = adjacency(unique_edges(suspect.faces), len(suspect.points))
-    part = _parts(graph, altered)
+    part = np.maximum(connected_parts(graph, altered), 0)
     projection = MiniatureProjection(suspect.points, suspect.faces, graph, altered, mini)
     usual = float(np.sqrt(np.mean(projection.index.nearest(suspect.points[_few(intact)]).distances ** 2)))
     size = np.bincount(part[altered], minlength=int(part.max(initial=-1)) + 1)
@@ -128,15 +127,6 @@ def _moved_back(
 
 def _few(intact: IntArray) -> IntArray:
     return intact[:: max(len(intact) // MOST_JUDGES, 1)]
-
-
-def _parts(graph: csr_array, altered: NDArray[np.bool_]) -> IntArray:
-    """Return (p,): the number of the connected part of the altered points, 0 also for the others."""
-    rows = np.flatnonzero(altered)
-    part = np.zeros(len(altered), np.int64)
-    if len(rows):
-        part[rows] = connected_components(graph[rows][:, rows])[1]
-    return part
 
 
 def _turned(

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
-
 from meshmark.geometry.areas import vertex_normals
 from meshmark.geometry.surface_of import surface_of
+from meshmark.geometry.visibility import degrees_between
 from meshmark.io.staging import Staging
 from meshmark.mesh import Mesh
 from meshmark.report.colours import heat
@@ -32,8 +31,7 @@ def shading_picture(
     after, faces = marked.vertices[surface.vertex_of_point], surface.faces
     own = vertex_colours(original)
     colours = None if own is None else own[surface.vertex_of_point]
-    chord = np.linalg.norm(vertex_normals(after, faces) - vertex_normals(surface.points, faces), axis=1)
-    turned = np.degrees(2.0 * np.arcsin(np.minimum(0.5 * chord, 1.0)))
+    turned = degrees_between(vertex_normals(after, faces), vertex_normals(surface.points, faces))
     shown = (
         Panel(caption="original", points=surface.points, faces=faces, colours=colours),
         Panel(caption="marked", points=after, faces=faces, colours=colours),

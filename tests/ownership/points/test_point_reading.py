@@ -14,9 +14,9 @@ from meshmark.ownership.carriers.lattice_label import Label
 from meshmark.ownership.carriers.pose import Pose
 from meshmark.ownership.points.carried_coordinates import Carried
 from meshmark.ownership.points.parameters import MODES, SHARES, STEPS
+from meshmark.ownership.points.point_choice import Choice
 from meshmark.ownership.points.point_lattice import PointLattice
 from meshmark.ownership.points.point_reading import CHOICES, Framed
-from meshmark.ownership.points.point_shaping import Choice
 from tests.counting import some
 from tests.low_poly import ball, sheet
 
@@ -29,7 +29,7 @@ def clumps():
     """Return a flat sheet whose points lie in clumps smaller than a cube: many share what the key says."""
     cuts = np.sort((np.array([0.0, 0.22, 0.45, 0.71, 1.0])[:, None] + [0.0, 0.006, 0.013]).ravel())
     surface = surface_of(Mesh(*sheet(cuts, 0.8 * cuts)))
-    return surface, Carried(surface, surface.frame)
+    return surface, Carried.of(surface, surface.frame)
 
 
 @cache
@@ -97,7 +97,7 @@ def test_a_step_without_room_is_not_read():
 def test_the_gradient_is_that_of_the_coordinates_under_a_small_pose():
     surface = surface_of(Mesh(*ball(2)))
     lattice = PointLattice.keyed(Key(bytes(32)), LABEL)
-    framed = Framed.of(surface, Carried(surface, surface.frame), surface.frame, lattice)
+    framed = Framed.of(surface, Carried.of(surface, surface.frame), surface.frame, lattice)
     carries = framed.carrying(Choice(step=float(STEPS[6]), mode=2, share=1.0))
     assert carries.sum() > 100
     for direction in some(np.eye(7)):

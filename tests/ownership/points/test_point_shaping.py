@@ -19,8 +19,9 @@ from meshmark.ownership.embedding_task import EmbeddingTask
 from meshmark.ownership.points import point_shaping
 from meshmark.ownership.points.carried_coordinates import Carried
 from meshmark.ownership.points.parameters import LARGEST, MOMENTS_APART, SHARES, STEPS
+from meshmark.ownership.points.point_choice import Choice
 from meshmark.ownership.points.point_lattice import PointLattice
-from meshmark.ownership.points.point_shaping import Choice, PointShaping, carrying
+from meshmark.ownership.points.point_shaping import PointShaping
 from tests.counting import some
 from tests.keys import ID, KEY
 from tests.low_poly import ball, box, frustum, joined, loose_box, prism, sides, table
@@ -65,7 +66,7 @@ def shaped(name: str, mode: int, step: int = 10, share: float = 1.0) -> Shaped:
 
 
 def shape(mesh: Mesh, choice: Choice) -> Shaped:
-    task = EmbeddingTask(mesh=mesh, key=KEY, identity=ID, strength="standard", budget=1.0)
+    task = EmbeddingTask(mesh=mesh, key=KEY, identity=ID, strength="standard", rms=1.0)
     lattice = PointLattice.keyed(KEY, task.label)
     shaping = PointShaping(task.surface, lattice, task.bits, largest=LARGEST["standard"], budget=BUDGET)
     points = shaping.shaped(choice)
@@ -143,7 +144,7 @@ def test_what_extraction_finds_to_carry_says_the_bits(name, mode):
     found = shaped(name, mode)
     canonical = found.before.frame.to_canonical(found.after.points)
     keys = found.lattice.keys(found.lattice.cubes(canonical))
-    carries = carrying(Carried(found.after, found.before.frame), keys.draw, found.choice)
+    carries = Carried.of(found.after, found.before.frame).carrying(found.choice, keys.draw)
     turns = canonical / found.choice.step - keys.dither - found.bits[keys.code_index] / 2.0
     off = np.abs(turns - np.round(turns))[carries]
     assert carries.sum() > 40
@@ -157,7 +158,7 @@ def test_fewer_move_under_a_smaller_share():
         found = shaped("ball", 2, share=share)
         canonical = found.before.frame.to_canonical(found.after.points)
         draw = found.lattice.keys(found.lattice.cubes(canonical)).draw
-        counts.append(int(carrying(Carried(found.after, found.before.frame), draw, found.choice).sum()))
+        counts.append(int(Carried.of(found.after, found.before.frame).carrying(found.choice, draw).sum()))
     np.testing.assert_allclose(counts[1:], [counts[0] / 2, counts[0] / 4], rtol=0.35)
     assert found.length.max() < shaped("ball", 2).length.max()
 
@@ -166,15 +167,15 @@ def test_the_rms_displacement_is_about_what_was_foretold():
     for name in some(["box", "table", "ball", "frustum"]):
         found = shaped(name, 1)
         rms = float(np.sqrt((found.length**2).mean()))
-        assert rms == pytest.approx(found.shaping.rms(found.choice), rel=0.25)
+        assert rms == pytest.approx(found.shaping.expected(found.choice)[1], rel=0.25)
 
 
 def test_the_bits_that_are_carried_are_counted_once_each():
     found = shaped("ball", 2)
     canonical = found.before.frame.to_canonical(found.before.points)
     keys = found.lattice.keys(found.lattice.cubes(canonical))
-    carries = carrying(Carried(found.before, found.before.frame), keys.draw, found.choice)
-    assert found.shaping.distinct_bits(found.choice) == len(np.unique(keys.code_index[carries])) <= LENGTH
+    carries = Carried.of(found.before, found.before.frame).carrying(found.choice, keys.draw)
+    assert found.shaping.expected(found.choice)[0] == len(np.unique(keys.code_index[carries])) <= LENGTH
     assert len(np.unique(keys.code_index[carries])) < carries.sum()
 
 
@@ -211,7 +212,7 @@ def test_near_points_move_together():
 
 def test_what_cannot_be_moved_as_little_as_asked_is_given_up():
     mesh = Mesh(*SHAPES["prism"])
-    task = EmbeddingTask(mesh=mesh, key=KEY, identity=ID, strength="standard", budget=1.0)
+    task = EmbeddingTask(mesh=mesh, key=KEY, identity=ID, strength="standard", rms=1.0)
     lattice = PointLattice.keyed(KEY, task.label)
     # Its equal moments cannot be pushed apart by so little.
     shaping = PointShaping(task.surface, lattice, task.bits, largest=1e-5, budget=BUDGET)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshmark.authentication.checks.checks import Checks
-from meshmark.geometry.components import connected_components
+from meshmark.geometry.components import connected_parts
 from meshmark.geometry.open_edges import open_edges
 from meshmark.geometry.surface import Surface
 
@@ -54,10 +54,6 @@ def altered_points(surface: Surface, checks: Checks) -> NDArray[np.bool_]:
 
 def _few_together(surface: Surface, altered: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Return (p,): the altered points that hang together with at most `_ROUNDING` in all."""
-    few = np.zeros(len(altered), bool)
-    rows = np.flatnonzero(altered)
-    if not len(rows):
-        return few
-    part = connected_components(surface.graph[rows][:, rows])[1]
-    few[rows] = np.bincount(part)[part] <= _ROUNDING
-    return few
+    part = connected_parts(surface.graph, altered)
+    size = np.bincount(part[altered], minlength=1)
+    return np.asarray(altered & (size[part] <= _ROUNDING))

@@ -18,7 +18,7 @@ from meshmark.authentication.marks.ring_shapes import in_style, ring_shapes
 from meshmark.authentication.marks.rings import Rings
 from meshmark.authentication.marks.rings_of import rings_of
 from meshmark.coding.keys import Key
-from meshmark.geometry.components import connected_components
+from meshmark.geometry.components import connected_parts
 from meshmark.geometry.shown import Shown
 from meshmark.geometry.surface import Surface
 from meshmark.mesh import FloatArray, IntArray
@@ -188,19 +188,16 @@ def _torn(
     In a requantised file few marks see a rim at all, mostly one each of its points; by chance single ones do.
     """
     found = _new_boundary(rings, vertex, whole, 1)
-    rows = np.flatnonzero(found | (surface.graph @ found.astype(np.float64) > 0.0))
-    if not len(rows):
+    if not found.any():
         return found
-    part = np.full(len(found), -1)
-    part[rows] = connected_components(surface.graph[rows][:, rows])[1]
+    part = connected_parts(surface.graph, found | (surface.graph @ found.astype(np.float64) > 0.0))
     marks = np.zeros(len(found), bool)
     marks[vertex] = True
     pairs = _pairs(rings, marks)
     pairs = pairs[found[pairs[:, 1]]]
     pairs = np.unique(np.stack([pairs[:, 0], part[pairs[:, 1]]], axis=1), axis=0)
     count = np.bincount(pairs[:, 1], minlength=int(part.max()) + 1)
-    found[rows] &= count[part[rows]] >= 2
-    return found
+    return np.asarray(found & (count[part] >= 2))
 
 
 def _pairs(rings: list[Rings], passed: NDArray[np.bool_]) -> IntArray:

@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from meshmark.authentication.checks.checks import Checks
-from meshmark.geometry.components import connected_components
+from meshmark.geometry.components import connected_parts
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.segmentation.map_segmentation import Regions
 
-__all__ = ["FEATURES", "RegionEvidence", "connected_parts", "region_evidence"]
+__all__ = ["FEATURES", "RegionEvidence", "region_evidence"]
 
 FEATURES = (
     "failed checks, -log10 chance",
@@ -130,12 +130,3 @@ def _parts_by_cell(
     held = np.zeros((int(part.max(initial=-1)) + 1, cells))
     np.add.at(held, (part, cell[rows]), 1.0)
     return held, held.sum(axis=1)
-
-
-def connected_parts(graph: csr_array, altered: NDArray[np.bool_]) -> IntArray:
-    """Return (p,): which connected altered part each point belongs to, -1 for points that are not altered."""
-    rows = np.flatnonzero(altered)
-    part = np.full(len(altered), -1)
-    if len(rows):
-        part[rows] = connected_components(graph[rows][:, rows])[1]
-    return part

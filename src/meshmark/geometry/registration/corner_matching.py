@@ -35,8 +35,7 @@ _KEPT, _APART = 5, 0.02
 
 def corners_to_keep(points: FloatArray, faces: IntArray) -> FloatArray:
     """Return the corners (k, 3, 3) of the largest faces, `MOST_CORNERS` at most; in the unit of the points."""
-    order = np.argsort(-face_areas(points, faces), kind="stable")
-    return np.asarray(points[faces[order[:MOST_CORNERS]]])
+    return _largest(points, faces, MOST_CORNERS)
 
 
 def match_corners(corners: FloatArray, points: FloatArray, faces: IntArray) -> list[Similarity]:
@@ -55,12 +54,11 @@ def match_corners(corners: FloatArray, points: FloatArray, faces: IntArray) -> l
     list of Similarity
         At most five; none where too few corners are found.
     """
-    largest = np.argsort(-face_areas(points, faces), kind="stable")[:_LOOKED_AT]
-    theirs = _by_edges(points[faces[largest]])
-    ours = _by_edges(corners)
+    theirs, theirs_shape = _by_edges(_largest(points, faces, _LOOKED_AT))
+    ours, ours_shape = _by_edges(corners)
     if not len(theirs) or not len(ours):
         return []
-    pairs = np.asarray(kd_tree(_shape(theirs)).query_ball_point(_shape(ours), _ALIKE))
+    pairs = np.asarray(kd_tree(theirs_shape).query_ball_point(ours_shape, _ALIKE))
     rarest = np.argsort(np.array([len(each) for each in pairs]), kind="stable")
     tried = [(ours[row], theirs[other]) for row in rarest for other in sorted(pairs[row])][:_TRIED]
     tree = kd_tree(points)
@@ -82,19 +80,23 @@ def match_corners(corners: FloatArray, points: FloatArray, faces: IntArray) -> l
     return [fit for _, fit in found[:_KEPT]]
 
 
-def _by_edges(triangles: FloatArray) -> FloatArray:
-    """Return triangles (k, 3, 3) with area, their corners in the order of the opposite edges, the longest first."""
+def _largest(points: FloatArray, faces: IntArray, most: int) -> FloatArray:
+    """Return the corners (k, 3, 3) of the largest faces, at most so many."""
+    order = np.argsort(-face_areas(points, faces), kind="stable")
+    return np.asarray(points[faces[order[:most]]])
+
+
+def _by_edges(triangles: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return triangles (k, 3, 3) with area, and (k, 2) both shorter edges over the longest.
+
+    Corners are in the order of the edges opposite to them, the longest first.
+    """
     opposite = np.linalg.norm(np.roll(triangles, -1, axis=1) - np.roll(triangles, -2, axis=1), axis=2)
     order = np.argsort(-opposite, axis=1, kind="stable")
-    sorted_edges = np.take_along_axis(opposite, order, axis=1)
-    sound = sorted_edges[:, 2] > 1e-6 * sorted_edges[:, 0]
-    return np.asarray(np.take_along_axis(triangles, order[:, :, None], axis=1)[sound])
-
-
-def _shape(triangles: FloatArray) -> FloatArray:
-    """Return (k, 2): both shorter edges over the longest, of triangles as `_by_edges` orders them."""
-    opposite = np.linalg.norm(np.roll(triangles, -1, axis=1) - np.roll(triangles, -2, axis=1), axis=2)
-    return np.asarray(opposite[:, 1:] / opposite[:, :1])
+    edges = np.take_along_axis(opposite, order, axis=1)
+    sound = edges[:, 2] > 1e-6 * edges[:, 0]
+    sorted_corners = np.take_along_axis(triangles, order[:, :, None], axis=1)
+    return sorted_corners[sound], edges[sound, 1:] / edges[sound, :1]
 
 
 def _found(guess: Similarity, places: FloatArray, tree: cKDTree) -> tuple[NDArray[np.bool_], IntArray]:

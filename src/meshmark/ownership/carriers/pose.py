@@ -10,7 +10,7 @@ from meshmark.mesh import FloatArray
 from meshmark.ownership.carriers.cells import Cells
 from meshmark.ownership.carriers.lattice import Lattice
 
-__all__ = ["POSE_SIZE", "Pose", "pose_gradient"]
+__all__ = ["POSE_SIZE", "Pose", "moved_along", "pose_gradient"]
 
 # shift (3), logarithm of scale (1), turn (3)
 POSE_SIZE = 7
@@ -28,6 +28,10 @@ class Pose:
     def turned(cls, turn: FloatArray) -> Pose:
         """Only a turn."""
         return cls(turn=turn, scale=1.0, shift=np.zeros(3))
+
+    def __call__(self, points: FloatArray) -> FloatArray:
+        """Return points (p, 3) brought to this pose."""
+        return np.asarray(self.scale * points @ self.turn + self.shift)
 
     def then(self, step: FloatArray) -> Pose:
         """This pose followed by a small one (7,): shift, logarithm of scale, rotation vector."""
@@ -47,8 +51,13 @@ def pose_gradient(cells: Cells, lattice: Lattice) -> FloatArray:
     place = (
         lattice.points(cells.nodes.astype(np.float64)) + normal * (cells.offset * lattice.spacing)[:, None]
     )
-    along = np.einsum("ij,ij->i", normal, place)
-    return np.column_stack([normal, along, np.cross(place, normal)]) / lattice.spacing
+    return moved_along(place, normal) / lattice.spacing
+
+
+def moved_along(places: FloatArray, directions: FloatArray) -> FloatArray:
+    """Return (n, 7): how far places (n, 3) move along directions (n, 3), per unit of a small pose."""
+    along = np.einsum("ij,ij->i", directions, places)
+    return np.column_stack([directions, along, np.cross(places, directions)])
 
 
 def _rotation(vector: FloatArray) -> FloatArray:

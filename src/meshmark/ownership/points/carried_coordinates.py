@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from copy import copy
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 from meshmark.geometry.frame import Frame
 from meshmark.geometry.stars import Stars, are_midpoints, stars_of
 from meshmark.geometry.surface import Surface
-from meshmark.mesh import FloatArray
+from meshmark.mesh import FloatArray, IntArray
 from meshmark.ownership.points.coordinates import chosen_coordinates
-from meshmark.ownership.points.parameters import MODES, ROOM
+from meshmark.ownership.points.parameters import MODES, ROOM, STEPS
+from meshmark.ownership.points.point_choice import Choice
 
 __all__ = ["Carried"]
 
@@ -23,17 +24,34 @@ MIDDLE = 1e-5
 SUBDIVIDED = 0.5
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Carried:
     """What embedding and extraction compute of a surface in a frame.
 
-    frame: that canonical coordinates are of. stars: in these.
+    frame: that canonical coordinates are of. points: (p, 3) in these; stars: of the points, there. edges: (e, 2).
+    height: (p,) of the stars' triangles, canonical; usable: (p,) points that may carry.
     """
 
-    def __init__(self, surface: Surface, frame: Frame) -> None:
-        self.frame = frame
-        self._points, self._edges = frame.to_canonical(surface.points), surface.edges
-        self.stars: Stars = stars_of(self._points, surface.faces)
-        self._height, self._usable = self.stars.height, self.stars.used
+    frame: Frame
+    points: FloatArray
+    edges: IntArray
+    stars: Stars
+    height: FloatArray
+    usable: NDArray[np.bool_]
+
+    @classmethod
+    def of(cls, surface: Surface, frame: Frame) -> Carried:
+        """Measure the stars of a surface."""
+        points = frame.to_canonical(surface.points)
+        stars = stars_of(points, surface.faces)
+        return cls(
+            frame=frame,
+            points=points,
+            edges=surface.edges,
+            stars=stars,
+            height=stars.height,
+            usable=stars.used,
+        )
 
     def before_subdivision(self) -> Carried | None:
         """Return the same without the points that a subdivision may have added, None where there was none.
@@ -41,24 +59,31 @@ class Carried:
         A subdivision at the middles of the edges leaves a quarter of the points, and halves the heights of the
         triangles.
         """
-        if not self._usable.any():
+        if not self.usable.any():
             return None
-        added = are_midpoints(self._points, self._edges, MIDDLE)
-        share = float(added[self._usable].mean())
+        added = are_midpoints(self.points, self.edges, MIDDLE)
+        share = float(added[self.usable].mean())
         if share < SUBDIVIDED:
             return None
-        before = copy(self)
-        before._height = self._height * 2.0 ** round(np.log(1.0 / (1.0 - min(share, 0.999))) / np.log(4.0))
-        before._usable = self._usable & ~added
-        return before
+        times = round(np.log(1.0 / (1.0 - min(share, 0.999))) / np.log(4.0))
+        return replace(self, height=self.height * 2.0**times, usable=self.usable & ~added)
 
     def in_frame(self, frame: Frame) -> FloatArray:
         """Return the points (p, 3) in another turn of the frame."""
-        return np.asarray(self._points @ (self.frame.axes.T @ frame.axes))
+        return np.asarray(self.points @ (self.frame.axes.T @ frame.axes))
 
     def at(self, step: float) -> NDArray[np.bool_]:
         """Return (p,): the points whose stars have room for a step in canonical units."""
-        return np.asarray(self._usable & (self._height > ROOM * step))
+        return np.asarray(self.usable & (self.height > ROOM * step))
+
+    def carrying(self, choice: Choice, draw: FloatArray) -> NDArray[np.bool_]:
+        """Return (p, 3): the coordinates that carry under a choice; draw: (p, 3) of the keys."""
+        return choice.carrying(self.coordinates, self.at(choice.step), draw)
+
+    @cached_property
+    def room(self) -> NDArray[np.bool_]:
+        """(steps, p): the points with room for each of `STEPS`."""
+        return np.array([self.at(step) for step in STEPS])
 
     @cached_property
     def coordinates(self) -> tuple[NDArray[np.bool_], ...]:

@@ -9,15 +9,15 @@ import numpy as np
 from meshmark.geometry.frame import Frame
 from meshmark.geometry.similarity import rotation_of
 from meshmark.mesh import FloatArray
+from meshmark.ownership.parameters import ALIKE
 from meshmark.ownership.points.carried_coordinates import Carried
 from meshmark.ownership.points.parameters import STEPS
 from meshmark.ownership.points.point_lattice import PointLattice
 
 __all__ = ["sweep"]
 
-# Moments that differ by less than this share of their sum let the axes turn: by so much, in radians, over that gap,
-# and at most.
-ALIKE, TURNS, MOST = 0.02, 3e-5, 0.03
+# Where moments are alike their axes turn: by so much, in radians, over the gap between them, and at most.
+TURNS, MOST = 3e-5, 0.03
 # Turns are this far apart, in radians, and judged by so many points, at steps of at least this index.
 APART, JUDGES, COARSE = 6e-4, 250, 6
 

@@ -37,10 +37,12 @@ def distinct_cubes(cubes: IntArray) -> tuple[IntArray, IntArray]:
 class PointKeys:
     """What the key says of the coordinates of n points.
 
-    code_index: (n, 3) which code bit each carries; dither: (n, 3) in [0, 1), in steps; draw: (n, 3) in [0, 1):
-    coordinates below the share that carries do.
+    cube: (n,) equal for points in one cube, of which it says the same. code_index: (n, 3) which code bit each
+    carries; dither: (n, 3) in [0, 1), in steps; draw: (n, 3) in [0, 1): coordinates below the share that carries
+    do.
     """
 
+    cube: IntArray
     code_index: IntArray
     dither: FloatArray
     draw: FloatArray
@@ -80,6 +82,7 @@ class PointLattice:
         shifts = np.arange(3, dtype=np.uint64) * np.uint64(_INDEX_BITS)
         indices = (words[:, :1] >> shifts) & np.uint64(2**_INDEX_BITS - 1)
         return PointKeys(
+            cube=row,
             code_index=(indices % np.uint64(LENGTH)).astype(np.int64)[row],
             dither=unit_interval(words[:, 1:4])[row],
             draw=unit_interval(words[:, 4:7])[row],

@@ -13,12 +13,12 @@ from meshmark.geometry.surface import Surface
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.ownership.carriers.lattice import CellKeys
 from meshmark.ownership.carriers.lock import LockSearch
-from meshmark.ownership.carriers.pose import Pose
+from meshmark.ownership.carriers.pose import Pose, moved_along
 from meshmark.ownership.carriers.reading import Reading
 from meshmark.ownership.points.carried_coordinates import Carried
 from meshmark.ownership.points.parameters import MODES, SHARES, SIDE, STEPS
-from meshmark.ownership.points.point_lattice import PointKeys, PointLattice, distinct_cubes
-from meshmark.ownership.points.point_shaping import Choice
+from meshmark.ownership.points.point_choice import Choice
+from meshmark.ownership.points.point_lattice import PointKeys, PointLattice
 
 __all__ = ["CHOICES", "Framed", "PointLock"]
 
@@ -82,8 +82,7 @@ class Framed:
     def of(cls, surface: Surface, carried: Carried, frame: Frame, lattice: PointLattice) -> Framed:
         """Read a surface in a turn of the frame that `carried` was found in."""
         coordinates = carried.turned(carried.frame.axes.T @ frame.axes)
-        room = np.array([carried.at(step) for step in STEPS])
-        return cls._at(frame.to_canonical(surface.points), coordinates, room, lattice)
+        return cls._at(frame.to_canonical(surface.points), coordinates, carried.room, lattice)
 
     @classmethod
     def _at(
@@ -93,21 +92,14 @@ class Framed:
         room: NDArray[np.bool_],
         lattice: PointLattice,
     ) -> Framed:
-        cubes = lattice.cubes(points)
-        return cls(
-            points=points,
-            coordinates=coordinates,
-            room=room,
-            lattice=lattice,
-            keys=lattice.keys(cubes),
-            group=3 * distinct_cubes(cubes)[1][:, None] + np.arange(3),
-        )
+        keys = lattice.keys(lattice.cubes(points))
+        group = 3 * keys.cube[:, None] + np.arange(3)
+        return cls(points=points, coordinates=coordinates, room=room, lattice=lattice, keys=keys, group=group)
 
     def corrected(self, correction: FloatArray) -> Framed:
         """Return the points in a frame that is off by a small pose (7,): shift, logarithm of scale, turn."""
         pose = Pose.turned(np.eye(3)).then(correction)
-        points = pose.scale * self.points @ pose.turn + pose.shift
-        return Framed._at(points, self.coordinates, self.room, self.lattice)
+        return Framed._at(pose(self.points), self.coordinates, self.room, self.lattice)
 
     def phases(self, step: float) -> FloatArray:
         """Return the phases (p, 3), radians, at a step in canonical units."""
@@ -116,7 +108,7 @@ class Framed:
     def carrying(self, choice: Choice) -> NDArray[np.bool_]:
         """Return (p, 3): the coordinates that carry under a choice."""
         room = self.room[np.argmin(np.abs(STEPS - choice.step))]
-        return np.asarray(self.coordinates[choice.mode] & room[:, None] & (self.keys.draw < choice.cut))
+        return choice.carrying(self.coordinates, room, self.keys.draw)
 
     def first(self, carries: NDArray[np.bool_], most: int) -> NDArray[np.bool_]:
         """Return (p, 3): of the coordinates that carry those with the lowest draws, at most this number."""
@@ -127,8 +119,7 @@ class Framed:
         """Return (n, 7): the change of the carrying coordinates for a small pose."""
         point, axis = np.nonzero(carries)
         place, unit = self.points[point], np.eye(3)[axis]
-        along = place[np.arange(len(axis)), axis]
-        return np.column_stack([unit, along, np.cross(place, unit)])
+        return moved_along(place, unit)
 
     def locks(self) -> Iterator[PointLock]:
         """Yield the best choice for each step, of large models judged by some of the coordinates."""

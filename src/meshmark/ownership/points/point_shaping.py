@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -19,11 +18,12 @@ from meshmark.ownership.points.balance import balanced
 from meshmark.ownership.points.carried_coordinates import Carried
 from meshmark.ownership.points.coordinates import held
 from meshmark.ownership.points.frame_moments import MOMENTS, frame_moments
-from meshmark.ownership.points.parameters import KEPT_SHARE, LIFTED, MODES, MOMENTS_APART, SLIDING
+from meshmark.ownership.points.parameters import LIFTED, MOMENTS_APART, SLIDING
+from meshmark.ownership.points.point_choice import Choice
 from meshmark.ownership.points.point_lattice import PointKeys, PointLattice
 from meshmark.ownership.points.targets import Quantiser, nearest_places
 
-__all__ = ["Choice", "PointShaping", "carrying"]
+__all__ = ["PointShaping"]
 
 # Passes: what carries is what an extraction will find on the moved surface.
 PASSES = 3
@@ -42,30 +42,6 @@ HOPELESS = 0.02
 NEARLY = 0.7
 
 
-@dataclass(frozen=True, kw_only=True)
-class Choice:
-    """How points carry.
-
-    step: in canonical units. mode: index of `MODES`. share: of the coordinates that carry, one of `SHARES`.
-    """
-
-    step: float
-    mode: int
-    share: float
-
-    @property
-    def cut(self) -> float:
-        """Return the draw below which a coordinate carries."""
-        return self.share * (KEPT_SHARE if self.mode == len(MODES) - 1 else 1.0)
-
-
-def carrying(carried: Carried, draw: FloatArray, choice: Choice) -> NDArray[np.bool_]:
-    """Return (p, 3): the coordinates that carry under a choice; draw: of their keys (p, 3)."""
-    return np.asarray(
-        carried.coordinates[choice.mode] & carried.at(choice.step)[:, None] & (draw < choice.cut)
-    )
-
-
 class PointShaping:
     """A surface whose points are to carry bits.
 
@@ -78,7 +54,7 @@ class PointShaping:
     ) -> None:
         self._surface, self._lattice, self._bits = surface, lattice, bits
         self._frame = surface.frame
-        self._start = Carried(surface, self._frame)
+        self._start = Carried.of(surface, self._frame)
         self._points = self._frame.to_canonical(surface.points)
         self._largest = largest * surface.diagonal / self._frame.scale
         # Stretching by this much moves points by a part of the budget, whatever the model's proportions.
@@ -103,16 +79,16 @@ class PointShaping:
     def _keys(self) -> PointKeys:
         return self._lattice.keys(self._lattice.cubes(self._points))
 
-    def distinct_bits(self, choice: Choice) -> int:
-        """Return how many code bits are carried under a choice, before anything moves."""
-        index = self._keys.code_index[carrying(self._start, self._keys.draw, choice)]
-        return int(np.count_nonzero(np.bincount(index, minlength=LENGTH)))
+    def expected(self, choice: Choice) -> tuple[int, float]:
+        """Return how many code bits a choice carries before anything moves, and the RMS it will take, about.
 
-    def rms(self, choice: Choice) -> float:
-        """Return the RMS displacement, over the diagonal, that a choice will take, about."""
-        carries = carrying(self._start, self._keys.draw, choice)
+        The RMS displacement is over the diagonal.
+        """
+        carries = self._start.carrying(choice, self._keys.draw)
+        index = self._keys.code_index[carries]
         square = self._strain[carries].sum() / max(len(carries), 1) * choice.step**2 / 12.0
-        return float(np.sqrt(square) * self._frame.scale / self._surface.diagonal)
+        rms = float(np.sqrt(square) * self._frame.scale / self._surface.diagonal)
+        return int(np.count_nonzero(np.bincount(index, minlength=LENGTH))), rms
 
     @cached_property
     def _strain(self) -> FloatArray:
@@ -130,10 +106,11 @@ class PointShaping:
         yields = np.minimum(self._start.stars.height / self._largest, 1.0) ** 2
         points, motion = start, np.zeros_like(start)
         for number in range(PASSES + FURTHER):
-            carried = Carried(surface.moved(self._frame.to_scene(points)), self._frame)
-            ease = np.asarray(np.linalg.inv(carried.stars.tensor + SLIDING * np.eye(3)), dtype=np.float64)
+            carried = Carried.of(surface.moved(self._frame.to_scene(points)), self._frame)
+            cost = carried.stars.tensor + SLIDING * np.eye(3)
+            ease = np.asarray(np.linalg.inv(cost), dtype=np.float64)
             draw = self._lattice.keys(self._lattice.cubes(points)).draw
-            carries = carrying(carried, draw, choice) & ~frozen[:, None]
+            carries = carried.carrying(choice, draw) & ~frozen[:, None]
             follow, _ = held(ease, carries)
             motion, done = nearest_places(start, follow, quantiser)
             done &= carries.any(axis=1) & (np.linalg.norm(motion, axis=1) <= self._largest)
@@ -146,7 +123,7 @@ class PointShaping:
             further = balanced(
                 motion,
                 follow=follow,
-                cost=carried.stars.tensor + SLIDING * np.eye(3),
+                cost=cost,
                 carries=carries,
                 step=choice.step,
                 gradient=gradient,

@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
-from itertools import chain
 
 from meshmark.certificate.certificate import Certificate
 from meshmark.geometry.frame import Frame, frame_alternatives
 from meshmark.geometry.registration.corner_matching import corners_to_keep, match_corners
-from meshmark.geometry.surface import Surface
-from meshmark.mesh import Mesh
 from meshmark.ownership.carriers.lattice_label import Label
 from meshmark.ownership.carriers.reading import Reading
 from meshmark.ownership.parameters import SURELY_SKEW
@@ -20,7 +16,7 @@ from meshmark.ownership.points.parameters import MOST_POINTS
 from meshmark.ownership.points.point_lattice import PointLattice
 from meshmark.ownership.points.point_reading import CHOICES, Framed, PointLock
 from meshmark.ownership.search.search import Search
-from meshmark.ownership.search.starting_frames import starting_frames
+from meshmark.ownership.search.starting_frames import frame_of, starting_frames
 from meshmark.scene.surfaces import marked_surface
 
 __all__ = ["readings_of_points", "registered_readings_of_points"]
@@ -36,7 +32,7 @@ def readings_of_points(search: Search) -> Iterator[Reading]:
         return
     turns = list(frame_alternatives(surface.frame, True, SURELY_SKEW))
     labels = search.labels(surface.invariants)
-    carried = Carried(surface, surface.frame)
+    carried = Carried.of(surface, surface.frame)
     before = carried.before_subdivision()
     for each in (carried,) if before is None else (carried, before):
         yield from _readings(search, each, turns, labels)
@@ -55,16 +51,12 @@ def registered_readings_of_points(search: Search) -> Iterator[Reading]:
         label, home = Label.of_shape(original.invariants, search.key), original.frame
         corners = corners_to_keep(home.to_canonical(original.points), original.faces)
     surface = search.surface
-    fits = match_corners(corners, surface.points, surface.faces)
-    matched = (replace(home, centre=fit.shift, scale=fit.scale, axes=fit.rotation) for fit in fits)
+    for fit in match_corners(corners, surface.points, surface.faces):
+        frame = frame_of(fit, home)
+        yield from _readings(search, Carried.of(surface, frame), (frame,), (label,))
     # Landmarks cost more, and are looked at only where what the corners tell is not it.
-    landmarks = _lazily(surface, reference)
-    for frame in chain(matched, landmarks):
-        yield from _readings(search, Carried(surface, frame), (frame,), (label,))
-
-
-def _lazily(surface: Surface, reference: Certificate | Mesh) -> Iterator[Frame]:
-    yield from starting_frames(surface, reference)
+    for frame in starting_frames(surface, reference):
+        yield from _readings(search, Carried.of(surface, frame), (frame,), (label,))
 
 
 def _swept_readings(

@@ -140,8 +140,7 @@ class Shapes:
 
     def _placed(self, framed: Shape, points: FloatArray, pose: Pose) -> FloatArray:
         """Return points (p, 3) in the canonical frame of `framed`, brought to a pose."""
-        canonical = self.frame(framed).to_canonical(points)
-        return pose.scale * canonical @ pose.turn + pose.shift
+        return pose(self.frame(framed).to_canonical(points))
 
     def _pose(self, shape: Shape, turned: Frame) -> Pose:
         """Return the turn from a shape's own frame to that of its alternatives which is nearest to `turned`."""

@@ -14,7 +14,7 @@ from meshmark.geometry.surface import Surface
 from meshmark.mesh import Mesh
 from meshmark.scene.surfaces import marked_surface
 
-__all__ = ["ORIGINAL_LANDMARKS", "starting_frames"]
+__all__ = ["ORIGINAL_LANDMARKS", "frame_of", "starting_frames"]
 
 # An original may be asked for more landmarks than a certificate holds.
 ORIGINAL_LANDMARKS = 500
@@ -29,7 +29,7 @@ def starting_frames(suspect: Surface, reference: Certificate | Mesh) -> list[Fra
     """
     landmarks, home = _landmarks(reference)
     found = register(landmarks, home, PreparedSurface(suspect.points, suspect.faces))
-    return [_frame(fit.pose, home) for fit in found]
+    return [frame_of(fit.pose, home) for fit in found]
 
 
 def _landmarks(reference: Certificate | Mesh) -> tuple[Landmarks, Frame]:
@@ -40,6 +40,6 @@ def _landmarks(reference: Certificate | Mesh) -> tuple[Landmarks, Frame]:
     return PreparedSurface(surface.points, surface.faces, home).landmarks(ORIGINAL_LANDMARKS), home
 
 
-def _frame(pose: Similarity, home: Frame) -> Frame:
+def frame_of(pose: Similarity, home: Frame) -> Frame:
     """Return the frame of the suspect, given how canonical coordinates lie in its scene."""
     return replace(home, centre=pose.shift, scale=pose.scale, axes=pose.rotation)

@@ -1,0 +1,40 @@
+"""How points carry: the step, how many coordinates of each, and which share of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshmark.mesh import FloatArray
+from meshmark.ownership.points.parameters import KEPT_SHARE, MODES
+
+__all__ = ["Choice"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Choice:
+    """How points carry.
+
+    step: in canonical units. mode: index of `MODES`. share: of the coordinates that carry, one of `SHARES`.
+    """
+
+    step: float
+    mode: int
+    share: float
+
+    @property
+    def cut(self) -> float:
+        """Return the draw below which a coordinate carries."""
+        return self.share * (KEPT_SHARE if self.mode == len(MODES) - 1 else 1.0)
+
+    def carrying(
+        self, coordinates: tuple[NDArray[np.bool_], ...], room: NDArray[np.bool_], draw: FloatArray
+    ) -> NDArray[np.bool_]:
+        """Return (p, 3): the coordinates that carry.
+
+        coordinates: (p, 3) for each of `MODES`. room: (p,) where there is some for the step. draw: (p, 3) of the
+        keys.
+        """
+        return np.asarray(coordinates[self.mode] & room[:, None] & (draw < self.cut))
