@@ -28,6 +28,7 @@ from meshmark.attacks import parse_chain
 from meshmark.coding.keys import Key
 from meshmark.errors import CapacityError, MeshmarkError
 from meshmark.geometry.areas import area_vectors
+from meshmark.geometry.plane_patches import PlanePatches
 from meshmark.geometry.surface import Surface
 from meshmark.geometry.surface_of import surface_of
 from meshmark.geometry.visibility import VisibleChange
@@ -140,20 +141,8 @@ def other_diagonals(surface: Surface, random: np.random.Generator) -> np.ndarray
 
 
 def off_plane(surface: Surface, after: FloatArray) -> float:
-    """Return the RMS distance, over the diagonal, of points inside planes from these planes, after marking.
-
-    Points inside a plane are those all of whose faces lie in one before marking.
-    """
-    normals = _normals(surface.points, surface.faces)
-    summed = np.zeros_like(surface.points)
-    for corner in range(3):
-        np.add.at(summed, surface.faces[:, corner], normals)
-    count = np.bincount(surface.faces.ravel(), minlength=len(summed))
-    length = np.linalg.norm(summed, axis=1)
-    inside = (count > 0) & (length > (1.0 - PLANE) * count)
-    moved = after - surface.points
-    off = np.einsum("ij,ij->i", moved, summed / np.maximum(length, 1e-300)[:, None])[inside]
-    return float(np.sqrt(np.mean(off**2))) / surface.diagonal if inside.any() else 0.0
+    """Return the RMS distance, over the diagonal, of points of plane patches from planes fitted to these afterwards."""
+    return PlanePatches.of(surface.points, surface.faces).off_plane(after) / surface.diagonal
 
 
 def _normals(points: FloatArray, faces: np.ndarray) -> FloatArray:

@@ -125,7 +125,7 @@ def test_an_id_on_top_of_marks_that_would_call_it_altered_is_refused(model, monk
         both_layers, "embed_repeated", lambda *_, **__: replace(below, mesh=Mesh(half, model.faces))
     )
     # No room for new marks: the id alone is left.
-    monkeypatch.setattr("meshmark.marking.authentication_layer.plans", lambda *_: iter(()))
+    monkeypatch.setattr("meshmark.marking.authentication_layer.plans", lambda *_, **__: iter(()))
     for asked in ("ownership", None):
         with pytest.raises(CapacityError, match="carries authentication marks of this key already"):
             embed(first.mesh, KEY, id=ID + 1, layers=asked)

@@ -16,7 +16,7 @@ from meshmark.authentication.checks.checks import Checks, check
 from meshmark.authentication.checks.coarse_digits import coarse_digits
 from meshmark.authentication.marks.precision import precision_of
 from meshmark.authentication.payload.payload import Payload, decode, unpack
-from meshmark.authentication.payload.signed_totals import points_distinct, points_shown, unmarked_parts
+from meshmark.authentication.payload.signed_totals import Whole, points_distinct, points_shown, unmarked_parts
 from meshmark.certificate.binding import mismatch, refuse_edited
 from meshmark.certificate.certificate import Certificate
 from meshmark.coding.erasure.erasure_code import ErasureCode
@@ -163,11 +163,15 @@ def _examined(
             checks = check(surface, key, identity)
     certificate = reference if isinstance(reference, Certificate) else None
     remark = None if certificate is None else mismatch(certificate, key, identity)
-    if identity is not None and checks.log10_chance <= MARKED_LOG10:
-        packed, reading = _packed(checks, key, identity)
-        if packed is not None:
-            checks = _confirmed(surface, checks, packed, reading)
+    if checks.speak and checks.log10_chance <= MARKED_LOG10:
+        packed = None
+        if identity is not None:
+            packed, reading = _packed(checks, key, identity)
+            if packed is not None:
+                checks = _confirmed(surface, checks, packed, reading)
         altered, payload = altered_points(surface, checks), None if packed is None else unpack(packed)
+        if checks.signed is not None:
+            payload = Payload(kind="none", content=b"", whole=Whole(points=checks.signed))
         known = Examination(
             surface=surface,
             checks=checks,

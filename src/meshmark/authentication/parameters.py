@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil, sqrt
 from typing import Final
 
@@ -15,10 +15,11 @@ __all__ = [
     "HASH_STEP",
     "HASH_STEPS",
     "LEVELS",
-    "MARKS_NEEDED",
     "PSNR_LEAST",
     "PSNR_WANTED",
     "REACH",
+    "SMALL",
+    "SMALL_RINGS",
     "SPREAD",
     "STYLES",
     "SWAY",
@@ -37,13 +38,15 @@ class Layout:
 
     bits: of the word; check: of these, the MAC; symbol: the rest. rise: values of the coordinate along the ring's
     normal, which is seen most; 0: as many as of the other two. radix: values of each of the three coordinates;
-    levels: most of them. window: marks may be this number of times as far off as their median.
+    levels: most of them. window: marks may be this number of times as far off as their median. pieces_only: every
+    mark carries a piece of the model's id, none its place or payload.
     """
 
     bits: int
     check: int
     rise: int = 0
     window: float = 8.0
+    pieces_only: bool = False
 
     @property
     def symbol(self) -> int:
@@ -65,13 +68,13 @@ class Layout:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Style:
-    """One of the two ways in which marks are made; a reader tries both.
+    """One of the ways in which marks are made; a reader tries all.
 
     pull: the place of a mark is the point less a +-1 sum of its ring, else less the ring's mean: then errors grow
     a third as much, and so does what a neighbour that was moved does to it. unit: the smallest step, in units of
     the largest error of a coordinate. hash_least: fewest steps of a unit of the ring's lengths. tolerance: number
     of steps over the ring's spread by which a length may be off. firm: how far, over the spread, a turning ring may
-    swing a point. layouts: by their bits, most first.
+    swing a point. layouts: by their bits, most first. least: fewest marks.
     """
 
     pull: bool
@@ -80,6 +83,7 @@ class Style:
     tolerance: float
     firm: float
     layouts: tuple[Layout, ...]
+    least: int
 
 
 # Step of a ring in units of its size: 2^(-level / 2), which keeps the step in scene units within a factor 1.42.
@@ -109,8 +113,6 @@ PSNR_WANTED: Final = 80.2
 PSNR_LEAST: Final = 70.0
 # Share of the rings with room for a mark of the fewest bits that must have room for one of more.
 COVERING: Final = 0.95
-# Fewer marks cannot carry the model's id.
-MARKS_NEEDED: Final = 40
 
 _SIGMA: Final = 1.0 / sqrt(3.0)
 # Half a step is 4.3 standard deviations of the error of the mark's place, as the spread predicts it; measured on
@@ -127,7 +129,18 @@ FINE: Final = Style(
         Layout(bits=bits, check=check)
         for bits, check in {18: 8, 17: 7, 16: 6, 15: 6, 14: 6, 13: 6, 12: 6, 11: 6, 10: 6}.items()
     ),
+    least=40,  # fewer do not carry the model's id
 )
+# Marks of small models, whose id the layer below tells: most of the word is MAC, so that few are evidence enough.
+SMALL: Final = replace(
+    FINE,
+    layouts=tuple(
+        Layout(bits=layout.bits, check=layout.bits - 4, pieces_only=True) for layout in FINE.layouts
+    ),
+    least=6,
+)
+# Such marks are made and looked for where at most this number of points have rings.
+SMALL_RINGS: Final = 500
 # Marks that bear a grid of 14 bits: as small as such an error lets them be (docs/decisions/0023-tolerance-web.md).
 WEB: Final = Style(
     pull=False,
@@ -139,8 +152,9 @@ WEB: Final = Style(
         Layout(bits=10, check=6, rise=4, window=2.0),
         Layout(bits=9, check=5, rise=4, window=2.0),
     ),
+    least=40,
 )
-STYLES: Final = (FINE, WEB)
+STYLES: Final = (FINE, WEB, SMALL)
 # Ids that are tried where some of their pieces are in doubt: all 16 values of one of 4 bits, two of another.
 TRIED_IDS: Final = 32
 # Ways to read marks that are tried: ids, levels of the step and layouts.

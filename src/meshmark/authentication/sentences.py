@@ -28,6 +28,11 @@ def of_marks(verdict: str, found: Examination) -> str:
         return _of_id(verdict, found)
     if verdict == "inconclusive":
         return "There are too few marks to tell; a model of few points, or a small part of one."
+    if verdict == "altered" and found.id is None:
+        return (
+            "Its marks of authentication hold, but the id beneath them is not read any more: points without marks "
+            "were moved, or parts are gone."
+        )
     if verdict == "altered" and found.points_missing:
         return of_number(found.points_missing, found.area_missing)
     return "No mark of this key was found: another key's, never marked, or changed everywhere."

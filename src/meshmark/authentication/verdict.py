@@ -202,7 +202,8 @@ def _same(drawn: RegionMap) -> RegionMap:
 
 def _verdict(found: Examination) -> str:
     if found.marked:
-        return "altered" if found.altered.any() or found.points_missing else "authentic"
+        whole = not found.points_missing and found.id is not None
+        return "authentic" if whole and not found.altered.any() else "altered"
     if found.id is not None:
         return _SINCE[found.since]
     return "inconclusive" if found.log10_false_positive <= DOUBTFUL_LOG10 else "not_marked"

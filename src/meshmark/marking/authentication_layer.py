@@ -12,9 +12,10 @@ import numpy as np
 from meshmark.authentication.examination import examine
 from meshmark.authentication.marks.plan import mark, plan
 from meshmark.authentication.marks.planning import Planned, plans
+from meshmark.authentication.marks.signed_word import signed_word
 from meshmark.authentication.payload.content import content_for
-from meshmark.authentication.payload.payload import encoder, unpack
-from meshmark.authentication.payload.signed_totals import whole_of
+from meshmark.authentication.payload.payload import Payload, SymbolSource, encoder, unpack
+from meshmark.authentication.payload.signed_totals import Whole, whole_of
 from meshmark.coding.keys import Key
 from meshmark.errors import CapacityError
 from meshmark.geometry.surface_of import surface_of_moved
@@ -24,6 +25,7 @@ from meshmark.marking.mark_request import MarkRequest
 from meshmark.marking.promises import broken_by
 from meshmark.marking.verification import authentic
 from meshmark.mesh import Mesh
+from meshmark.ownership.extraction import extract
 from meshmark.scene.distinct import as_shown, scene_of
 
 __all__ = ["Authenticated", "Base", "with_authentication"]
@@ -31,6 +33,13 @@ __all__ = ["Authenticated", "Base", "with_authentication"]
 # Choices of marks that are looked at for each precision, and how many of those that carry the id are made and read
 # back. Most choices of a small model leave out a piece of the id.
 _CHOICES, _READ = 8, 3
+# Where marks took the id of the layer below away so often, others will, too.
+_LOST = 4
+# Share of the points below which a remark says how many are in the ring of a mark.
+_WATCHED = 0.9
+_NO_PAYLOAD = (
+    "the model is too small for a payload beside its marks of authentication, so no part can be recovered"
+)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -48,17 +57,22 @@ class Base:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Authenticated:
-    """A mesh with marks of authentication, and remarks about what was given up for them."""
+    """A mesh with marks of authentication, and remarks about what was given up for them.
+
+    carriers: from which the id of the layer below is still read; 0 without one.
+    """
 
     mesh: Mesh
     mark: AuthenticationMark
     remarks: tuple[str, ...]
+    carriers: int
 
 
 def with_authentication(base: Base, request: MarkRequest) -> Authenticated:
     """Return the first marks that are read back as they should, and survive what their tolerance promises.
 
-    For each precision a few keyed choices of points are tried, as some leave a point without a voucher.
+    For each precision a few keyed choices of points are tried, as some leave a point without a voucher. Where there
+    is room for none that carry a payload, marks without one are, on a layer that carries the id.
 
     Parameters
     ----------
@@ -75,8 +89,26 @@ def with_authentication(base: Base, request: MarkRequest) -> Authenticated:
     CapacityError
         No marks fit; the message says why the last ones do not.
     """
+    try:
+        return _first_read(base, request, plans(base.mesh, request.key, request.tolerance))
+    except CapacityError:
+        if not _may_go_without_payload(base, request):
+            raise
+        with suppress(CapacityError):
+            return _first_read(base, request, plans(base.mesh, request.key, request.tolerance, small=True))
+        raise
+
+
+def _may_go_without_payload(base: Base, request: MarkRequest) -> bool:
+    """Return whether marks without payload say all that is asked for: there is nothing else to tell of the file."""
+    asked = request.content.kind in ("any", "none")
+    return base.has_id and asked and not request.shown and scene_of(base.original) is None
+
+
+def _first_read(base: Base, request: MarkRequest, planned_marks: Iterator[Planned]) -> Authenticated:
     refusal = CapacityError("no marks of authentication fit, expected more room for payload")
-    for planned in plans(base.mesh, request.key, request.tolerance):
+    lost = 0
+    for planned in planned_marks:
         carrying = (each for each in _choices(planned, request.key) if each.plan.carries_id or base.has_id)
         refusal = CapacityError("the model has room for too few marks of authentication to tell its id")
         try:
@@ -85,6 +117,9 @@ def with_authentication(base: Base, request: MarkRequest) -> Authenticated:
                     return _bound_or_not(base, request, chosen)
                 except _UnreadError as error:
                     refusal = error
+                    lost += isinstance(error, _IdLostError)
+                    if lost == _LOST:
+                        raise
         except CapacityError as error:
             refusal = error
     raise refusal
@@ -100,6 +135,10 @@ def _bound_or_not(base: Base, request: MarkRequest, chosen: Planned) -> Authenti
 
 class _UnreadError(CapacityError):
     """The marks of authentication are not read back as they should."""
+
+
+class _IdLostError(_UnreadError):
+    """The id of the layer below is not read any more."""
 
 
 class _UnplacedError(_UnreadError):
@@ -120,19 +159,26 @@ def _marked(base: Base, request: MarkRequest, planned: Planned, *, bound: bool) 
     bound: their symbols are bound to their places, which the marks of small models cannot tell.
     """
     surface, precision = planned.plan.surface, planned.precision
-    symbols, symbol_bits = len(np.unique(planned.plan.payload_index)), planned.plan.symbol_bits
     web = not precision.style.pull
     whole = whole_of(surface, precision.error, scene_of(planned.mesh), web=web)
     whole = replace(whole, shown=request.shown, once=planned.plan.once)
-    packed, remarks = content_for(request.content, surface, whole, symbols, symbol_bits)
-    source = encoder(packed, symbol_bits, symbols)
-    marked = mark(planned.plan, request.key, request.id, source, bound=bound)
+    payload, source, remarks = _payload(planned, request, whole)
+    nonce = request.id
+    if planned.plan.layout.pieces_only:
+        nonce = signed_word(request.key, request.id, whole.points)
+    marked = mark(planned.plan, request.key, nonce, source, bound=bound)
     moved = (marked.points != surface.points).any(axis=1)[surface.point_of_vertex]
     vertices = np.where(moved[:, None], marked.points[surface.point_of_vertex], planned.mesh.vertices)
     result = planned.mesh.with_vertices(conform(base.original, vertices))
     surface_of_moved(
         result, planned.mesh
     )  # remembered, so that `examine` welds only what rounding has joined
+    carriers = 0
+    if base.has_id:
+        below = extract(result, request.key, search="plain")
+        if below.id != request.id:
+            raise _IdLostError("the id cannot be read beside the marks of authentication")
+        carriers = below.carriers
     found = examine(as_shown(result), request.key)
     if bound and found.marked and found.payload is None:
         raise _UnplacedError("the marks of authentication do not tell where the model lies")
@@ -140,18 +186,37 @@ def _marked(base: Base, request: MarkRequest, planned: Planned, *, bound: bool) 
         raise _UnreadError(
             "the marks of authentication cannot be read back from the positions the file can hold"
         )
-    if found.payload != unpack(packed):
+    if found.payload != payload:
         raise _UnreadError("the payload cannot be read back from the marked model")
     broken = broken_by(result, request.key, request.id, precision.bears, precision.error)
     if broken is not None:
         raise CapacityError(
             f"the marks of authentication would not survive {broken}, as the tolerance promises"
         )
+    watched = float(found.checks.verified.sum()) / max(int(found.surface.used.sum()), 1)
+    if watched < _WATCHED:
+        remarks += (
+            f"the marks of authentication watch {100.0 * watched:.0f} % of the points: of the others, whose faces "
+            "are slivers or meet in no single fan, a small change may not be seen",
+        )
     if precision.remark is not None:
         remarks += (precision.remark,)
     made = AuthenticationMark(
         marks=marked.count,
-        payload_bytes=len(unpack(packed).content),
+        payload_bytes=len(payload.content),
         tolerance=request.tolerance or "default",
     )
-    return Authenticated(mesh=result, mark=made, remarks=remarks)
+    return Authenticated(mesh=result, mark=made, remarks=remarks, carriers=carriers)
+
+
+def _payload(
+    planned: Planned, request: MarkRequest, whole: Whole
+) -> tuple[Payload, SymbolSource, tuple[str, ...]]:
+    """Return the payload as it will be read back, its symbols, and remarks about what was left out."""
+    plan = planned.plan
+    if plan.layout.pieces_only:
+        signed = Payload(kind="none", content=b"", whole=Whole(points=whole.points))
+        return signed, lambda index: np.zeros(len(index), np.uint16), (_NO_PAYLOAD,)
+    symbols = len(np.unique(plan.payload_index))
+    packed, remarks = content_for(request.content, plan.surface, whole, symbols, plan.symbol_bits)
+    return unpack(packed), encoder(packed, plan.symbol_bits, symbols), remarks

@@ -18,7 +18,6 @@ from meshmark.marking.repeated_mesh import embed_repeated
 from meshmark.marking.verification import verify
 from meshmark.mesh import Mesh
 from meshmark.ownership.embedding import Owned
-from meshmark.ownership.extraction import extract
 from meshmark.ownership.vertex_displacement import displacement_rms, vertex_displacement
 from meshmark.scene.distinct import distinct
 from meshmark.strengths import BUDGETS
@@ -217,10 +216,7 @@ def _on_top(below: Owned | None, original: Mesh, request: MarkRequest) -> Embedd
         raise _OverBudgetError(share, request.strength)
     ownership = None
     if below is not None:
-        found = extract(upper.mesh, request.key, search="plain")
-        if found.id != request.id:
-            raise CapacityError("the id cannot be read beside the marks of authentication")
-        ownership = replace(below.mark, carriers=found.carriers)
+        ownership = replace(below.mark, carriers=upper.carriers)
     return Embedding(
         mesh=upper.mesh,
         id=request.id,

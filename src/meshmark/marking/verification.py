@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from meshmark.authentication.examination import Examination, examine
+from meshmark.authentication.checks.checks import check
+from meshmark.authentication.examination import MARKED_LOG10, Examination, examine
 from meshmark.coding.keys import Key
 from meshmark.errors import CapacityError
 from meshmark.marking.embedding_result import Embedding
 from meshmark.mesh import Mesh
 from meshmark.ownership.extraction import extract
+from meshmark.scene.surfaces import marked_surface
 
 __all__ = ["authentic", "verify"]
 
@@ -26,7 +28,6 @@ def verify(
     where: name of what holds the mesh; compressed: it was compressed on request.
     Raises `CapacityError` with a sentence about the layer that fails.
     """
-    found = examine(mesh, key)
     if compressed:
         coarse = f"cannot be read back from {where} once it is compressed"
         advice = ("leave --recompress out", "use --tolerance tolerant, or leave --recompress out")
@@ -34,19 +35,27 @@ def verify(
         coarse = f"cannot be read back from {where}, whose format holds positions too coarsely"
         same_format = "or the format of the input"
         advice = (f"use --strength strong {same_format}", f"use --tolerance tolerant {same_format}")
-    identity = found.id
     if expected.layers == "ownership":
-        if found.marked:
+        identity = extract(mesh, key, search="plain").id
+        if _has_marks(mesh, key, expected.id):
             raise CapacityError(
                 "the model carries authentication marks of this key already, and beside a new id they would call "
                 "it altered; mark the unmarked original, or with --layers both"
             )
-    elif not authentic(found, expected.id):
-        raise CapacityError(f"the marks of authentication {coarse}; {advice[1]}")
-    elif expected.layers == "both":
-        identity = extract(mesh, key).id
+    else:
+        found = examine(mesh, key)
+        if not authentic(found, expected.id):
+            raise CapacityError(f"the marks of authentication {coarse}; {advice[1]}")
+        identity = extract(mesh, key).id if expected.layers == "both" else found.id
     if identity != expected.id:
         raise CapacityError(f"the id {coarse}; {advice[0]}")
+
+
+def _has_marks(mesh: Mesh, key: Key, identity: int) -> bool:
+    """Return whether a mesh has marks of authentication, of this id or of the one that they tell."""
+    surface = marked_surface(mesh)
+    checks = (check(surface, key, nonce) for nonce in (None, identity))
+    return any(each.speak and each.log10_chance <= MARKED_LOG10 for each in checks)
 
 
 def authentic(found: Examination, identity: int) -> bool:

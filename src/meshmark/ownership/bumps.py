@@ -9,7 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 import scipy.sparse as sp
+from numpy.typing import NDArray
 
+from meshmark.errors import CapacityError
 from meshmark.geometry.areas import area_vectors, vertex_areas_and_normals
 from meshmark.geometry.frame import surface_moments
 from meshmark.geometry.open_edges import sample_open_edges
@@ -36,6 +38,8 @@ RIDGE = 1e-9
 LIFT = 1e-6
 # Distance of the nodes of the smooth functions, in spacings.
 PITCH = 0.5
+# A function whose points nearly all stay where they are is left out: the sum of its values is below this.
+LEAST_WEIGHT = 0.1
 
 
 def frame_values(points: FloatArray, faces: IntArray) -> FloatArray:
@@ -108,7 +112,9 @@ class Bumps:
         cells: Cells,
         lattice: Lattice,
         seen: VisibleChange,
+        still: NDArray[np.bool_] | None = None,
     ) -> None:
+        """still: (p,) points that stay where they are; none where it is left out."""
         from scipy.linalg import cho_factor, cho_solve, pinvh
 
         faces, placed = sampler.faces, samples.positions[: sampler.count]
@@ -118,6 +124,11 @@ class Bumps:
         frame = frame_gradient(lattice.points(placed), faces, self.normals @ lattice.axes)
         gradient = sp.vstack([sp.csr_array(lattice.spacing * frame), offsets], format="csr")
         self.basis = surface_basis(placed, self.normals, PITCH)
+        if still is not None:
+            moving = sp.csr_array(sp.diags_array((~still).astype(np.float64)) @ self.basis)
+            self.basis = moving[:, np.asarray(moving.sum(axis=0)).ravel() > LEAST_WEIGHT]
+            if not self.basis.shape[1]:
+                raise CapacityError("all of the surface is plane")
         energy = (self.basis.T @ visible_energy(placed, faces, areas, frame, seen) @ self.basis).toarray()
         energy[np.diag_indices_from(energy)] += LIFT * float(np.median(energy.diagonal()))
         onto = (self.basis.T @ gradient.T).toarray()

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from meshmark.errors import CapacityError
 from meshmark.geometry.areas import longest_edges
@@ -40,10 +41,10 @@ __all__ = ["embed_in_cells"]
 QUIETEST = 1e-3
 
 
-def embed_in_cells(task: EmbeddingTask) -> Owned:
+def embed_in_cells(task: EmbeddingTask, *, still: NDArray[np.bool_] | None = None) -> Owned:
     """Return the first mark that is read back, of a few lattices and steps, the one that bears most noise first.
 
-    Raises `CapacityError` that says what the cells lack.
+    still: (p,) points that stay where they are. Raises `CapacityError` that says what the cells lack.
     """
     frame = task.surface.frame
     patch = preferred_spacings(frame.area)[0] * frame.scale
@@ -51,7 +52,7 @@ def embed_in_cells(task: EmbeddingTask) -> Owned:
     if longest > LONG_EDGES[1]:
         raise CapacityError(too_long(longest, task.strength))
     nearest: tuple[tuple[bool, int], str] | None = None
-    for shaping in _shapings(task, one=longest > LONG_EDGES[0]):
+    for shaping in _shapings(task, one=longest > LONG_EDGES[0], still=still):
         carriers = shaping.carriers if shaping.capacity >= CARRIER_MINIMUM else shaping.capacity
         tried = carriers >= CARRIER_MINIMUM and shaping.bits >= HOPELESS_BITS
         if nearest is None or (tried, carriers) > nearest[0]:
@@ -64,7 +65,7 @@ def embed_in_cells(task: EmbeddingTask) -> Owned:
     )
 
 
-def _shapings(task: EmbeddingTask, *, one: bool) -> Iterator[Shaping]:
+def _shapings(task: EmbeddingTask, *, one: bool, still: NDArray[np.bool_] | None) -> Iterator[Shaping]:
     """Yield the first few spacings with carriers enough, then those passed over, most carriers first.
 
     one: the first only.
@@ -73,9 +74,8 @@ def _shapings(task: EmbeddingTask, *, one: bool) -> Iterator[Shaping]:
     spacings = preferred_spacings(surface.frame.area)
     rich, scarce = 0, []
     for spacing in spacings:
-        shaping = Shaping(
-            surface, Lattice.keyed(task.key, spacing, task.label), task.bits, task.seen, task.share
-        )
+        lattice = Lattice.keyed(task.key, spacing, task.label)
+        shaping = Shaping(surface, lattice, task.bits, task.seen, task.share, still=still)
         if shaping.capacity < CARRIER_ENOUGH:
             scarce.append(shaping)
             continue

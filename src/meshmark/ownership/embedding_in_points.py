@@ -13,7 +13,7 @@ from meshmark.geometry.surface_of import surface_of_moved
 from meshmark.mesh import Mesh
 from meshmark.ownership.embedding_task import EmbeddingTask, Owned
 from meshmark.ownership.extraction import find
-from meshmark.ownership.ownership_mark import OwnershipMark
+from meshmark.ownership.ownership_mark import OwnershipMark, noise_borne
 from meshmark.ownership.points.carried_coordinates import Carried
 from meshmark.ownership.points.parameters import (
     DISTINCT_BITS,
@@ -38,11 +38,10 @@ __all__ = ["embed_in_points"]
 TRIES = 12
 # The next step after one that did not do is smaller by this factor.
 SMALLER = 0.75
-# A mark bears noise in proportion to its step, and about to this power of the number of code bits beyond those
-# needed.
-NEEDED, REDUNDANCY = 72, 0.4
-# What that is worth in each mode: the less of the surface leaves its planes the better.
+# What that is worth in each mode: the less of the surface leaves its planes the better. And where plane parts leave
+# them further than they should.
 WORTH = (1.0, 0.9, 0.75, 0.6)
+DENTED = 0.5
 
 
 def embed_in_points(task: EmbeddingTask) -> Owned:
@@ -63,7 +62,8 @@ def embed_in_points(task: EmbeddingTask) -> Owned:
             break  # the rest is worth less even where everything can be set
         made = _made(task, shaping, choice)
         if made is not None:
-            tried.append((_worth(choice, _told(task, made, lattice, choice)), choice.step, made))
+            worth = _worth(choice, _told(task, made, lattice, choice))
+            tried.append((worth if task.keeps_planes(made) else DENTED * worth, choice.step, made))
     for worth, step, marked in sorted(tried, key=lambda entry: -entry[0]):
         carriers = _read_back(task, marked) if worth > 0.0 else 0
         if carriers:
@@ -99,7 +99,7 @@ def _choices(shaping: PointShaping, budget: float) -> Iterator[tuple[float, Choi
 
 def _worth(choice: Choice, bits: float) -> float:
     """Return how much noise a mark bears that tells so many bits, in units that only compare choices."""
-    return float(WORTH[choice.mode] * choice.step * max(bits - NEEDED, 0.0) ** REDUNDANCY)
+    return WORTH[choice.mode] * noise_borne(choice.step, bits)
 
 
 def _made(task: EmbeddingTask, shaping: PointShaping, choice: Choice) -> Mesh | None:

@@ -10,6 +10,7 @@ import numpy as np
 from meshmark.coding.codec import Codec
 from meshmark.coding.keys import Key
 from meshmark.coding.polar import Bits
+from meshmark.geometry.plane_patches import PlanePatches
 from meshmark.geometry.surface import Surface
 from meshmark.geometry.surface_of import surface_of
 from meshmark.geometry.visibility import VisibleChange
@@ -21,6 +22,11 @@ from meshmark.ownership.vertex_displacement import diagonal_of
 from meshmark.strengths import VISIBLE_SHARES
 
 __all__ = ["EmbeddingTask", "Owned"]
+
+# A model of which this share is plane should stay plane: its patches off their planes by at most this, RMS over the
+# diagonal.
+PLANE_SHARE = 0.1
+PLANE_OFF = 5e-5
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -68,6 +74,23 @@ class EmbeddingTask:
     def bits(self) -> Bits:
         """The code word of the id."""
         return Codec(self.key).encode(self.identity)
+
+    @cached_property
+    def planes(self) -> PlanePatches:
+        """The plane parts of the surface."""
+        return PlanePatches.of(self.surface.points, self.surface.faces)
+
+    @property
+    def has_planes(self) -> bool:
+        """Whether so much of the surface is plane that it should stay so."""
+        return self.planes.share >= PLANE_SHARE
+
+    def keeps_planes(self, marked: Mesh) -> bool:
+        """Return whether the plane parts of a marked mesh are as plane as they should be, if there are such."""
+        if not self.has_planes:
+            return True
+        points = marked.vertices[self.surface.vertex_of_point]
+        return self.planes.off_plane(points) <= PLANE_OFF * self.diagonal
 
     @cached_property
     def seen(self) -> VisibleChange:

@@ -6,7 +6,19 @@ from dataclasses import dataclass
 
 from meshmark.ownership.carriers.lattice_label import Label
 
-__all__ = ["OwnershipMark"]
+__all__ = ["OwnershipMark", "noise_borne"]
+
+# A mark bears noise in proportion to its step, and about to this power of the number of code bits beyond those
+# needed.
+_NEEDED, _REDUNDANCY = 72, 0.4
+
+
+def noise_borne(step: float, bits: float) -> float:
+    """Return how much noise a mark bears whose step is this and that tells so many code bits.
+
+    In units that only compare marks of one surface, in cells or at points.
+    """
+    return float(step * max(bits - _NEEDED, 0.0) ** _REDUNDANCY)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,3 +36,8 @@ class OwnershipMark:
     step: float
     at_points: bool = False
     repeated_only: bool = False
+
+    @property
+    def toughness(self) -> float:
+        """Return about how much noise the mark bears (`noise_borne`)."""
+        return noise_borne(self.step, self.carriers)

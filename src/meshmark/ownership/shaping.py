@@ -11,6 +11,7 @@ from math import log2
 
 import numpy as np
 import scipy.sparse as sp
+from numpy.typing import NDArray
 
 from meshmark.coding.polar import Bits
 from meshmark.geometry.areas import vertex_areas
@@ -57,9 +58,20 @@ class Shaping:
     """
 
     def __init__(
-        self, surface: Surface, lattice: Lattice, bits: Bits, seen: VisibleChange, share: float
+        self,
+        surface: Surface,
+        lattice: Lattice,
+        bits: Bits,
+        seen: VisibleChange,
+        share: float,
+        *,
+        still: NDArray[np.bool_] | None = None,
     ) -> None:
-        """seen: of the surface's points; share: of the surface where the mark may be visible, at most."""
+        """seen: of the surface's points; share: of the surface where the mark may be visible, at most.
+
+        still: (p,) points that stay where they are; none where it is left out.
+        """
+        self._still = still
         self._surface, self._frame, self._lattice = surface, surface.frame, lattice
         self._bits, self._seen, self._share = bits, seen, share
         self._placed = lattice.coordinates(surface.frame.to_canonical(surface.points))
@@ -178,7 +190,9 @@ class Shaping:
 
     @cached_property
     def _bumps(self) -> Bumps:
-        return Bumps(self._sampler, self._samples, self._candidates, self._lattice, self._seen)
+        return Bumps(
+            self._sampler, self._samples, self._candidates, self._lattice, self._seen, still=self._still
+        )
 
     @cached_property
     def _copies(self) -> FloatArray:

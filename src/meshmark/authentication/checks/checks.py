@@ -12,11 +12,13 @@ from meshmark.authentication.checks.in_place import in_place
 from meshmark.authentication.checks.model_frame import ModelFrame, Scale, evidence_of
 from meshmark.authentication.checks.ring_reading import chance_of
 from meshmark.authentication.checks.setting_search import likeliest_setting
-from meshmark.authentication.checks.sweep import sweep
+from meshmark.authentication.checks.sweep import Sweep, sweep
 from meshmark.authentication.marks.candidates import HEADER, PAYLOAD, PLACE, Candidates
 from meshmark.authentication.marks.ring_shapes import in_style, ring_shapes
 from meshmark.authentication.marks.rings import Rings
 from meshmark.authentication.marks.rings_of import rings_of
+from meshmark.authentication.marks.signed_word import signed_points, signed_word
+from meshmark.authentication.parameters import Layout
 from meshmark.coding.keys import Key
 from meshmark.geometry.components import connected_parts
 from meshmark.geometry.shown import Shown
@@ -42,7 +44,8 @@ class Checks:
     without the key. new_boundary: (p,) on a boundary now, though a mark next to it says that it was not. frame: of
     the marked model, None where it is not known. repeated: two marks that tell the id hold in rings that are alike,
     in different places. requantised: the marks bear a grid of 14 bits, and the coordinates were rounded about as
-    coarsely.
+    coarsely. speak: the marks are evidence, as a model's id is known or they are those of a small model.
+    signed: of a small model whose id is known, how many points it was marked with, 0 where they were not counted.
     """
 
     eligible: NDArray[np.bool_]
@@ -59,6 +62,8 @@ class Checks:
     frame: ModelFrame | None
     repeated: bool
     requantised: bool = False
+    speak: bool = False
+    signed: int | None = None
 
     @property
     def scale(self) -> Scale:
@@ -80,7 +85,16 @@ def check(surface: Surface, key: Key, nonce: int | None = None, payload: Expecte
         return _nothing(len(points))
     layout = setting.layout
     shapes = [in_style(shape, setting.style) for shape in shapes]
-    swept = sweep(points, list(zip(rings, shapes, strict=True)), setting, key, nonce=nonce, payload=payload)
+    parts = list(zip(rings, shapes, strict=True))
+    signed = None
+    if layout.pieces_only:
+        swept = sweep(points, parts, setting, key, nonce=None)
+        if swept is not None and nonce is not None:
+            signed = _signed(surface, swept, key, nonce, layout)
+            word = None if signed is None else signed_word(key, nonce, signed)
+            swept = None if word is None else sweep(points, parts, setting, key, nonce=word)
+    else:
+        swept = sweep(points, parts, setting, key, nonce=nonce, payload=payload)
     if swept is None:
         return _nothing(len(points))
     found, read = swept.found, swept.read
@@ -121,7 +135,8 @@ def check(surface: Surface, key: Key, nonce: int | None = None, payload: Expecte
         eligible=able,
         passed=passed,
         verified=_vouched(pairs, passed) & ~new_boundary,
-        nonce=swept.nonce,
+        nonce=nonce if layout.pieces_only else swept.nonce,
+        signed=signed,
         carried=carried(found.take(decoded), read.symbol[decoded], plain[decoded]),
         held=carried(found.take(held), read.symbol[held]),
         symbol_bits=layout.symbol,
@@ -132,7 +147,15 @@ def check(surface: Surface, key: Key, nonce: int | None = None, payload: Expecte
         frame=placed.frame,
         repeated=bool(repeated.any()),
         requantised=requantised,
+        speak=swept.nonce is not None or layout.pieces_only,
     )
+
+
+def _signed(surface: Surface, swept: Sweep, key: Key, nonce: int, layout: Layout) -> int | None:
+    """Return how many points a small model of this id was marked with, None where its marks are another's."""
+    rows = np.flatnonzero(swept.read.holds)
+    index, symbol = swept.found.index[rows], swept.read.symbol[rows]
+    return signed_points(index, symbol, layout.symbol, key, nonce, now=int(surface.used.sum()))
 
 
 def _repeated(surface: Surface, found: Candidates, holds: NDArray[np.bool_]) -> NDArray[np.bool_]:

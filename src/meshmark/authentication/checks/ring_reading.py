@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from meshmark.authentication.checks.carried import Expected, carried
 from meshmark.authentication.marks.candidates import HEADER, PAYLOAD, PLACE, Candidates
-from meshmark.authentication.marks.symbols import header_symbols
+from meshmark.authentication.marks.symbols import header_symbols, outvoted
 from meshmark.authentication.marks.words import bind, symbols_at
 from meshmark.authentication.parameters import WAYS, Layout
 from meshmark.coding.keys import Key
@@ -41,6 +41,8 @@ def read_marks(
 ) -> Read:
     """Return which candidates are marks; those of headers alone where the nonce (the model's id) is unknown.
 
+    Of headers of a small model that say different pieces of an unknown id, those hold that say what most do.
+
     Marks lie as near to whole places as the file's precision lets them; how near that is, the marks show. What lies
     farther off holds by chance, or was moved by less than a step. A mark beside a boundary that would hold if there
     were none is a mark beside a hole that was made.
@@ -56,6 +58,8 @@ def read_marks(
         last = window
         window = window_of(off[holds], layout)
     holds &= off <= window
+    if nonce is None and layout.pieces_only:
+        holds &= ~outvoted(found.index, symbol, layout.symbol, holds)
     return Read(symbol=symbol, holds=holds, off=off, new_boundary=new_boundary & holds)
 
 

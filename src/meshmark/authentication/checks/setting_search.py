@@ -10,6 +10,7 @@ from meshmark.authentication.checks.ring_reading import chance_of, window_of
 from meshmark.authentication.marks.candidates import (
     HEADER,
     Candidates,
+    as_laid_out,
     candidates,
     joined,
     level_of,
@@ -17,7 +18,18 @@ from meshmark.authentication.marks.candidates import (
 from meshmark.authentication.marks.ring_shapes import RingShapes, in_style
 from meshmark.authentication.marks.rings import Rings
 from meshmark.authentication.marks.words import PURPOSE, bind, symbols_at
-from meshmark.authentication.parameters import FAR_AWAY, FINE, LEVELS, STYLES, WEB, WEB_GRID, Layout, Style
+from meshmark.authentication.parameters import (
+    FAR_AWAY,
+    FINE,
+    LEVELS,
+    SMALL,
+    SMALL_RINGS,
+    STYLES,
+    WEB,
+    WEB_GRID,
+    Layout,
+    Style,
+)
 from meshmark.coding.keys import Key
 from meshmark.mesh import FloatArray
 
@@ -103,6 +115,8 @@ def likeliest_setting(
     every_level = [np.tile(np.array(LEVELS), (len(group.vertex), 1)) for group, _ in sample]
     found = []
     for style in STYLES:
+        if style is SMALL and total > SMALL_RINGS:
+            continue
         styled = [(group, in_style(shape, style)) for group, shape in sample]
         if (best := _best(points, styled, every_level, key, nonce)) is not None:
             found.append(best)
@@ -124,22 +138,23 @@ def _best(
 ) -> Setting | None:
     """Return the likeliest setting of rings that are each tried with `levels` (r, k)."""
     subkey = key.subkey(PURPOSE)
+    style = sample[0][1].style
     parts = []
     for (group, shape), level in zip(sample, levels, strict=True):
         row, column = np.nonzero((level >= LEVELS[0]) & (level <= LEVELS[-1]))
         tried = level[row, column].astype(np.int64)
         shaped = shape.take(row)
         # Without the model's id only the marks that tell it can be read.
-        only = HEADER if nonce is None else None
+        only = HEADER if nonce is None and style is not SMALL else None
         ways = candidates(points, group.take(row), shaped, tried, subkey, all_ways=False, only=only)
         parts.append(((level_of(shaped, 1.0) - tried)[ways.ring], ways))
     size = np.concatenate([part[0] for part in parts])
     found = joined([part[1] for part in parts])
+    found = as_laid_out(found, style.layouts[0])
     bound = bind(found, key, nonce)
     order = np.argsort(size)
     off = np.abs(found.place - found.whole).max(axis=1)
     best: Setting | None = None
-    style = sample[0][1].style
     for layout in style.layouts:
         _, holds = symbols_at(found.whole, found.boundary, bound, layout)
         held = order[holds[order]]
@@ -185,7 +200,8 @@ def plain_candidates(
     """Return the one candidate of each ring that a file of full precision has."""
     level = np.floor(level_of(shapes, setting.unit)).astype(np.int64)
     rows = np.flatnonzero((level >= LEVELS[0]) & (level <= LEVELS[-1]))
-    return candidates(points, rings.take(rows), shapes.take(rows), level[rows], subkey, all_ways=False)
+    plain = candidates(points, rings.take(rows), shapes.take(rows), level[rows], subkey, all_ways=False)
+    return as_laid_out(plain, setting.layout)
 
 
 def all_candidates(
@@ -207,4 +223,4 @@ def all_candidates(
                 points, rings.take(rows), shapes.take(rows), level[rows] + change, subkey, all_ways=True
             )
         )
-    return joined(parts)
+    return as_laid_out(joined(parts), setting.layout)

@@ -39,14 +39,14 @@ _Parts = list[tuple[Rings, RingShapes]]
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Sweep:
-    """found: (c,) the candidates tried; read: what they say; nonce: the model's id, given or reported.
+    """found: (c,) the candidates tried; read: what they say; nonce: the model's id, given or reported, or None.
 
     able: (p,) points whose ring could carry a mark. rounded: the file was rounded to few digits.
     """
 
     found: Candidates
     read: Read
-    nonce: int
+    nonce: int | None
     able: NDArray[np.bool_]
     rounded: bool
 
@@ -60,11 +60,12 @@ def sweep(
     nonce: int | None,
     payload: Expected | None = None,
 ) -> Sweep | None:
-    """Return what the rings of points (p, 3) say, None where no model's id is given or reported.
+    """Return what the rings of points (p, 3) say, None where no model's id is given or reported but is needed.
 
     A mark's plain reading may be off where a length was rounded across a boundary: then its ring has no voucher.
     So all ways are tried for points without a voucher and for those next to them, which are few in an intact model.
-    In a file of few digits their next whole places are tried as well. payload: see `read_marks`.
+    In a file of few digits their next whole places are tried as well. nonce: what marks are bound to; those of
+    small models are read without it, too, but report none. payload: see `read_marks`.
     """
     able = np.zeros(len(points), bool)
     for group, shape in parts:
@@ -72,20 +73,22 @@ def sweep(
     subkey = key.subkey(PURPOSE)
     found = joined([plain_candidates(points, *part, setting, subkey) for part in parts])
     held = np.zeros(len(points), bool)
-    identity = _reported_id(found, key, setting) if nonce is None else nonce
-    if identity is not None:
+    blind = nonce is None and not setting.layout.pieces_only
+    identity = _reported_id(found, key, setting) if blind else nonce
+    readable = identity is not None or not blind
+    if readable:
         read = read_marks(found, key, setting.layout, identity, payload)
         held[found.vertex[read.holds & ~read.new_boundary]] = True
     again = _around(parts, able & ~vouched(parts, held))
-    if identity is None or again.any():
+    if not readable or again.any():
         rest = [
             all_candidates(points, group.take(rows), shape.take(rows), setting, subkey)
             for group, shape in parts
             for rows in [np.flatnonzero(again[group.vertex])]
         ]
         found = joined([found.take(~again[found.vertex]), *rest])
-        identity = _reported_id(found, key, setting) if nonce is None else nonce
-        if identity is None:
+        identity = _reported_id(found, key, setting) if blind else nonce
+        if blind and identity is None:
             return None
         read = read_marks(found, key, setting.layout, identity, payload)
     rounded = bool(read.holds.any() and np.median(read.off[read.holds]) > _ROUNDED)

@@ -25,6 +25,7 @@ from meshmark.authentication.parameters import (
     REACH,
     SPREAD,
     SWAY,
+    Layout,
 )
 from meshmark.coding.keyed import cell_words, unit_interval
 from meshmark.mesh import FloatArray, IntArray
@@ -34,6 +35,7 @@ __all__ = [
     "PAYLOAD",
     "PLACE",
     "Candidates",
+    "as_laid_out",
     "beside",
     "candidates",
     "eligible",
@@ -90,6 +92,11 @@ def joined(parts: list[Candidates]) -> Candidates:
             for field in fields(Candidates)
         }
     )
+
+
+def as_laid_out(found: Candidates, layout: Layout) -> Candidates:
+    """Return the candidates as marks of a layout: all headers where it has pieces of the id only."""
+    return replace(found, kind=np.full(len(found.kind), HEADER)) if layout.pieces_only else found
 
 
 def beside(found: Candidates, least: float) -> Candidates:

@@ -14,6 +14,7 @@ from meshmark.authentication.marks.candidates import (
     PAYLOAD,
     PLACE,
     Candidates,
+    as_laid_out,
     candidates,
     joined,
     level_of,
@@ -30,7 +31,6 @@ from meshmark.authentication.marks.words import PURPOSE, bind, places_of, words_
 from meshmark.authentication.parameters import (
     COVERING,
     FINE,
-    MARKS_NEEDED,
     PSNR_LEAST,
     PSNR_WANTED,
     Layout,
@@ -123,7 +123,7 @@ def plan(surface: Surface, key: Key, precision: float, choice: int = 0, style: S
     choice : int
         Another number gives other marks.
     style : Style
-        `FINE` or `WEB`.
+        Of `STYLES`.
 
     Returns
     -------
@@ -156,7 +156,12 @@ def plan(surface: Surface, key: Key, precision: float, choice: int = 0, style: S
                 continue
             chosen = firm_first(surface.connectivity, allowed, firm, chance)
             if _rms(parts, chosen, unit, layout) <= most:
-                found = _found(points, parts, chosen, unit, key)
+                if chosen.sum() < style.least:
+                    raise CapacityError(
+                        f"the model has room for {int(chosen.sum())} marks of authentication, needs "
+                        f"{style.least}; it has too few points, or too fine ones for the precision of its file"
+                    )
+                found = as_laid_out(_found(points, parts, chosen, unit, key), layout)
                 ample = (found.kind == HEADER).sum() >= _AMPLE * pieces_of_id(layout.symbol)
                 for _ in range(_UNALIKE if ample else 0):
                     if not len(alike(found)):
@@ -238,11 +243,6 @@ _Parts = list[_Part]
 
 def _found(points: FloatArray, parts: _Parts, chosen: NDArray[np.bool_], unit: float, key: Key) -> Candidates:
     """Return the plain readings of the chosen (p,) points."""
-    if chosen.sum() < MARKS_NEEDED:
-        raise CapacityError(
-            f"the model has room for {int(chosen.sum())} marks of authentication, needs {MARKS_NEEDED}; "
-            "it has too few points, or too fine ones for the precision of its file"
-        )
     return joined([_plain(points, part, chosen, unit, key) for part in parts])
 
 

@@ -8,6 +8,8 @@ from dataclasses import dataclass, replace
 
 from meshmark.authentication.marks.plan import Plan, plan
 from meshmark.authentication.marks.precision import Precision, precisions_of
+from meshmark.authentication.marks.rings_of import rings_of
+from meshmark.authentication.parameters import FINE, SMALL, SMALL_RINGS
 from meshmark.authentication.payload.payload import capacity
 from meshmark.coding.keys import Key
 from meshmark.errors import CapacityError
@@ -36,13 +38,23 @@ class Planned:
     precision: Precision
 
 
-def plans(mesh: Mesh, key: Key, tolerance: str | None) -> Iterator[Planned]:
+def plans(mesh: Mesh, key: Key, tolerance: str | None, *, small: bool = False) -> Iterator[Planned]:
     """Yield marks, best first: for the coarsest precision that leaves room for what it must, and covers enough.
 
     Each again made a little coarser, where the first did not hold or bear what they should; then those for finer
-    precisions. Raises `CapacityError` where there are none at all.
+    precisions. small: marks without payload, of which few are enough. Raises `CapacityError` where there are none.
     """
-    for first in _by_precision(mesh, key, tolerance):
+    precisions = precisions_of(mesh, tolerance)
+    if small:
+        precisions = tuple(
+            replace(each, style=SMALL, enough=0.0) for each in precisions if each.style is FINE
+        )
+        rings = sum(len(group.vertex) for group in rings_of(surface_of(mesh)))
+        if rings > SMALL_RINGS:
+            raise CapacityError(
+                f"marks of authentication without payload are for {SMALL_RINGS} points at most"
+            )
+    for first in _by_precision(mesh, key, precisions):
         yield first
         for more in _COARSER:
             with suppress(CapacityError):
@@ -50,17 +62,18 @@ def plans(mesh: Mesh, key: Key, tolerance: str | None) -> Iterator[Planned]:
                 yield _planned(mesh, key, again)
 
 
-def _by_precision(mesh: Mesh, key: Key, tolerance: str | None) -> Iterator[Planned]:
+def _by_precision(mesh: Mesh, key: Key, precisions: tuple[Precision, ...]) -> Iterator[Planned]:
     waiting: list[Planned] = []
     refusal = CapacityError("no marks of authentication fit, expected more room for payload")
     enough = False
-    for precision in precisions_of(mesh, tolerance):
+    for precision in precisions:
         try:
             found = _planned(mesh, key, precision)
         except CapacityError as error:
             refusal = error
             continue
-        room = 8 * capacity(found.plan.payload_marks, found.plan.symbol_bits)
+        marks, symbol_bits = found.plan.payload_marks, found.plan.symbol_bits
+        room = 8 * capacity(marks, symbol_bits)
         if room < precision.enough * len(found.plan.surface.points):
             continue
         waiting.append(found)

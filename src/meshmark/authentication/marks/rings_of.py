@@ -7,6 +7,7 @@ from weakref import WeakKeyDictionary
 from meshmark.authentication.marks.rings import Rings, ordered_rings
 from meshmark.geometry.connectivity import Connectivity
 from meshmark.geometry.surface import Surface
+from meshmark.geometry.winding import consistent_winding
 
 __all__ = ["rings_of"]
 
@@ -14,7 +15,7 @@ _KNOWN: WeakKeyDictionary[Connectivity, list[Rings]] = WeakKeyDictionary()
 
 
 def rings_of(surface: Surface) -> list[Rings]:
-    """Return the rings of a surface (see `ordered_rings`).
+    """Return the rings of a surface (see `ordered_rings`), whose winding is made consistent where it is mixed up.
 
     Parameters
     ----------
@@ -28,5 +29,6 @@ def rings_of(surface: Surface) -> list[Rings]:
     """
     connectivity = surface.connectivity
     if connectivity not in _KNOWN:
-        _KNOWN[connectivity] = ordered_rings(connectivity.faces, connectivity.count)
+        faces = consistent_winding(connectivity.faces, connectivity.count)
+        _KNOWN[connectivity] = ordered_rings(faces, connectivity.count)
     return _KNOWN[connectivity]

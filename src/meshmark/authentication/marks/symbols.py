@@ -18,6 +18,7 @@ __all__ = [
     "fine_period",
     "header_symbols",
     "is_fine",
+    "outvoted",
     "pieces_of_id",
     "place_symbols",
     "place_values",
@@ -62,6 +63,17 @@ def read_header(
         chosen[weak], chosen[second] = value, other
         found.append(sum(int(each) << width * place for place, each in enumerate(chosen)))
     return found
+
+
+def outvoted(
+    index: NDArray[np.uint32], symbols: IntArray, symbol_bits: int, voting: NDArray[np.bool_]
+) -> NDArray[np.bool_]:
+    """Return (c,): which symbols (c,) are not what most of the `voting` (c,) say of the same piece of the id."""
+    count = pieces_of_id(symbol_bits)
+    piece = index.astype(np.int64) % count
+    votes = np.zeros((count, 1 << symbol_bits))
+    np.add.at(votes, (piece[voting], symbols[voting]), 1.0)
+    return np.asarray(votes[piece, symbols] < votes[piece].max(axis=1))
 
 
 def covers_id(index: NDArray[np.uint32], symbol_bits: int) -> bool:

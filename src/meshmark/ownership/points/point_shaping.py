@@ -143,6 +143,9 @@ class PointShaping:
             if folded.any():
                 frozen = frozen | _touched(joints, np.unique(surface.faces[folded]), len(points))
             elif far.max() > 1.0:
+                # Those that go too far for their own sake are let go, others give way less.
+                own = np.flatnonzero((far > 1.0) & carries.any(axis=1))
+                frozen = frozen | _touched(joints, own, len(points))
                 yields = np.where(
                     far > NEARLY, yields * (NEARLY / np.maximum(far, NEARLY)) ** 2 / 2.0, yields
                 )

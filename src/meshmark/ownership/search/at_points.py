@@ -25,8 +25,11 @@ __all__ = ["readings_of_points", "registered_readings_of_points"]
 DECODED, SWEPT = 4, 4
 
 
-def readings_of_points(search: Search) -> Iterator[Reading]:
-    """Yield the readings of those choices that lock best in any of the turns of the frame."""
+def readings_of_points(search: Search, *, swept: bool = True) -> Iterator[Reading]:
+    """Yield the readings of those choices that lock best in any of the turns of the frame.
+
+    swept: where moments nearly agree, the frame is turned further.
+    """
     surface = search.surface
     if len(surface.points) > MOST_POINTS:
         return
@@ -36,7 +39,8 @@ def readings_of_points(search: Search) -> Iterator[Reading]:
     before = carried.before_subdivision()
     for each in (carried,) if before is None else (carried, before):
         yield from _readings(search, each, turns, labels)
-        yield from _swept_readings(search, each, turns, labels)
+        if swept:
+            yield from _swept_readings(search, each, turns, labels)
 
 
 def registered_readings_of_points(search: Search) -> Iterator[Reading]:

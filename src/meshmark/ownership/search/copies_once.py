@@ -17,5 +17,6 @@ def readings_of_copies(search: Search) -> Iterator[Reading]:
     """Yield the readings of each further surface that may carry the mark."""
     for surface in search.copies:
         single = replace(search, surface=surface)
-        yield from readings_as_it_stands(single)
-        yield from readings_of_points(single)
+        if single.has_cells:
+            yield from readings_as_it_stands(single)
+        yield from readings_of_points(single, swept=False)

@@ -19,5 +19,6 @@ def mirrored_readings(search: Search) -> Iterator[Reading]:
     surface = search.surface
     image = replace(surface, points=surface.points * [-1.0, 1.0, 1.0], faces=surface.faces[:, ::-1])
     mirrored = replace(search, surface=image)
-    for reading in chain(readings_as_it_stands(mirrored), readings_of_points(mirrored)):
+    in_cells = readings_as_it_stands(mirrored) if search.has_cells else ()
+    for reading in chain(in_cells, readings_of_points(mirrored)):
         yield replace(reading, mirrored=True)

@@ -13,7 +13,8 @@ from meshmark.geometry.surface import Surface
 from meshmark.mesh import FloatArray, Mesh
 from meshmark.ownership.carriers.lattice import Lattice
 from meshmark.ownership.carriers.lattice_label import Label, labels
-from meshmark.ownership.parameters import LABELS, LONGEST_EDGES, preferred_spacings
+from meshmark.ownership.parameters import LABELS, LONG_EDGES, LONGEST_EDGES, preferred_spacings
+from meshmark.ownership.points.parameters import MOST_POINTS
 from meshmark.ownership.search.trials import TrialCounter
 
 __all__ = ["EFFORTS", "Search"]
@@ -60,9 +61,19 @@ class Search:
         """Return whether the surface may carry a mark in cells, even after a strong simplification."""
         if isinstance(self.reference, Certificate) and self.reference.at_points:
             return False
+        return self._longest <= LONGEST_EDGES
+
+    @cached_property
+    def suits_points(self) -> bool:
+        """Return whether an embedding would have left out cells at once, so that points are read first."""
+        return self._longest > LONG_EDGES[1] and len(self.surface.points) <= MOST_POINTS
+
+    @cached_property
+    def _longest(self) -> float:
+        """Mean longest edge of the triangles, in lattice spacings."""
         surface = self.surface
         spacing = preferred_spacings(surface.frame.area)[0] * surface.frame.scale
-        return longest_edges(surface.points, surface.faces) <= LONGEST_EDGES * spacing
+        return longest_edges(surface.points, surface.faces) / spacing
 
     def labels(self, invariants: FloatArray) -> tuple[Label, ...]:
         """Return the labels of the lattices that a shape of these invariants may carry, likeliest first."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from meshmark.certificate.certificate import Certificate
 from meshmark.late import late_function
@@ -35,6 +35,14 @@ def _always(_search: Search) -> bool:
     return True
 
 
+def _suits_points(search: Search) -> bool:
+    return search.suits_points
+
+
+def _suits_cells(search: Search) -> bool:
+    return not search.suits_points
+
+
 def _may_be_at_points(search: Search) -> bool:
     reference = search.reference
     return reference is not None and (not isinstance(reference, Certificate) or reference.at_points)
@@ -43,6 +51,10 @@ def _may_be_at_points(search: Search) -> bool:
 def _may_be_in_cells(search: Search) -> bool:
     reference = search.reference
     return reference is not None and not (isinstance(reference, Certificate) and reference.at_points)
+
+
+def _has_cells(search: Search) -> bool:
+    return search.has_cells
 
 
 def _looks_further(search: Search) -> bool:
@@ -58,21 +70,24 @@ def _is_coarse(search: Search) -> bool:
     return _undoes_damage(search) and search.is_coarse
 
 
+_POINTS = Strategy(
+    name="points as they stand",
+    readings=late_function("meshmark.ownership.search.at_points", "readings_of_points"),
+    applies=_suits_points,
+    cost=3.0,
+    decode_below=DECODE_LOG10,
+)
+
 STRATEGIES: tuple[Strategy, ...] = (
+    _POINTS,
     Strategy(
         name="as it stands",
         readings=late_function("meshmark.ownership.search.as_it_stands", "readings_as_it_stands"),
-        applies=_always,
+        applies=_has_cells,
         cost=1.0,
         decode_below=DECODE_LOG10,
     ),
-    Strategy(
-        name="points as they stand",
-        readings=late_function("meshmark.ownership.search.at_points", "readings_of_points"),
-        applies=_always,
-        cost=3.0,
-        decode_below=DECODE_LOG10,
-    ),
+    replace(_POINTS, name="points after cells", applies=_suits_cells),
     Strategy(
         name="copies of one mesh once",
         readings=late_function("meshmark.ownership.search.copies_once", "readings_of_copies"),

@@ -1,0 +1,97 @@
+"""Plane parts of a surface, and how plane they still are once their points have moved."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from meshmark.geometry.areas import area_vectors
+from meshmark.mesh import FloatArray, IntArray
+
+__all__ = ["PlanePatches"]
+
+# Faces are in one plane where the cosine of the angle between them is off 1 by at most this, and a patch of them is
+# plane where its points are off their plane by at most this share of the diagonal, RMS.
+_ANGLE, _OFF = 1e-6, 1e-7
+# Fewer points always lie in a plane.
+_LEAST = 4
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PlanePatches:
+    """Connected plane patches of four points and more.
+
+    point, patch: (n,) each, the points of the patches and the number of the patch that each is in; a point on an
+    edge between two is in both. points: (p,) which of the surface's points these are. share: of the surface's area,
+    0 to 1.
+    """
+
+    point: IntArray
+    patch: IntArray
+    points: NDArray[np.bool_]
+    share: float
+
+    @classmethod
+    def of(cls, points: FloatArray, faces: IntArray) -> PlanePatches:
+        """Find the plane patches of a surface.
+
+        Parameters
+        ----------
+        points : (p, 3) float array
+        faces : (m, 3) int array
+
+        Returns
+        -------
+        PlanePatches
+        """
+        vectors = area_vectors(points, faces)
+        area = np.linalg.norm(vectors, axis=1)
+        normals = vectors / np.maximum(area, np.finfo(float).tiny)[:, None]
+        one, other = _neighbours(faces, len(points))
+        flat = 1.0 - np.abs(np.einsum("ij,ij->i", normals[one], normals[other])) <= _ANGLE
+        size = (len(faces), len(faces))
+        graph = coo_array((np.ones(int(flat.sum()), np.int8), (one[flat], other[flat])), shape=size)
+        count, label = connected_components(graph, directed=False)
+        pairs = np.unique(np.stack([np.repeat(label, 3), faces.ravel()], axis=1), axis=0)
+        diagonal = float(np.linalg.norm(np.ptp(points[faces.ravel()], axis=0))) if len(faces) else 0.0
+        sizes = np.bincount(pairs[:, 0], minlength=count)
+        off = np.sqrt(_square_off(points[pairs[:, 1]], pairs[:, 0], count) / np.maximum(sizes, 1))
+        kept = (sizes >= _LEAST) & (off <= _OFF * diagonal)
+        rows = kept[pairs[:, 0]]
+        share = float(area[kept[label]].sum() / max(area.sum(), np.finfo(float).tiny))
+        inside = np.zeros(len(points), bool)
+        inside[pairs[rows, 1]] = True
+        return cls(point=pairs[rows, 1], patch=pairs[rows, 0], points=inside, share=share)
+
+    def off_plane(self, points: FloatArray) -> float:
+        """Return the RMS distance of moved points (p, 3) from the plane fitted to each patch; 0 without patches."""
+        if not len(self.point):
+            return 0.0
+        square = _square_off(points[self.point], self.patch, int(self.patch.max()) + 1)
+        return float(np.sqrt(square.sum() / len(self.point)))
+
+
+def _square_off(places: FloatArray, patch: IntArray, count: int) -> FloatArray:
+    """Return (count,): the sum of the squared distances of places (n, 3) from the best plane of each patch (n,)."""
+    size = np.maximum(np.bincount(patch, minlength=count), 1)
+    middle = np.stack([np.bincount(patch, places[:, i], count) / size for i in range(3)], axis=1)
+    away = places - middle[patch]
+    spread = np.empty((count, 3, 3))
+    for i in range(3):
+        for j in range(3):
+            spread[:, i, j] = np.bincount(patch, away[:, i] * away[:, j], count)
+    return np.asarray(np.maximum(np.linalg.eigvalsh(spread)[:, 0], 0.0))
+
+
+def _neighbours(faces: IntArray, count: int) -> tuple[IntArray, IntArray]:
+    """Return the two faces, each (e,), of every edge that belongs to two."""
+    ends: NDArray[np.int64] = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    keys = ends[:, 0] * count + ends[:, 1]
+    order = np.argsort(keys, kind="stable")
+    _, first, times = np.unique(keys[order], return_index=True, return_counts=True)
+    pairs = first[times == 2]
+    return order[pairs] // 3, order[pairs + 1] // 3

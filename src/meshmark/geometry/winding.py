@@ -1,0 +1,74 @@
+"""The winding of faces, made consistent where a file has mixed it up."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from meshmark.mesh import IntArray
+
+__all__ = ["consistent_winding"]
+
+# A component is left as it is where at most this share of the edges between two of its faces joins faces that turn
+# against each other: single faces that were turned over are a change, not a way of storing.
+_MIXED = 0.1
+
+
+def consistent_winding(faces: IntArray, count: int) -> IntArray:
+    """Return triangles, those turned over that turn against most of their component.
+
+    Components are of faces joined by edges that belong to two faces. One is left as it is where it is nearly
+    consistent, where it cannot be wound consistently, as a Moebius strip cannot, and where as many faces turn one
+    way as the other.
+
+    Parameters
+    ----------
+    faces : (m, 3) int array
+    count : int
+        Number of points.
+
+    Returns
+    -------
+    (m, 3) int array
+        In the same order; the same array where nothing is turned over.
+    """
+    one, other, against = _joints(faces, count)
+    if not against.any():
+        return faces
+    size = len(faces)
+    parts, part = connected_components(_graph(one, other, size), directed=False)
+    mixed = np.bincount(part[one], against, parts) > _MIXED * np.bincount(part[one], minlength=parts)
+    # Each face once as it is and once turned over, joined where two turn alike: in two halves, mirror images of
+    # each other, unless both ways of a face hang together.
+    cover = _graph(
+        np.concatenate([one, one + size]),
+        np.concatenate([other + size * against, other + size * ~against]),
+        2 * size,
+    )
+    _, way = connected_components(cover, directed=False)
+    as_is, over = way[:size], way[size:]
+    first = np.full(parts, 2 * size)
+    np.minimum.at(first, part, as_is)
+    alike = as_is == first[part]
+    votes = np.bincount(part, np.where(alike, 1.0, -1.0), parts)
+    usable = mixed & (votes != 0.0)
+    usable[part[as_is == over]] = False
+    turned = usable[part] & (alike != (votes[part] > 0.0))
+    return np.where(turned[:, None], faces[:, [0, 2, 1]], faces)
+
+
+def _joints(faces: IntArray, count: int) -> tuple[IntArray, IntArray, NDArray[np.bool_]]:
+    """Return the two faces, each (e,), of edges that belong to two, and whether these turn against each other."""
+    start, end = faces.ravel(), faces[:, [1, 2, 0]].ravel()
+    keys = np.minimum(start, end) * count + np.maximum(start, end)
+    order = np.argsort(keys, kind="stable")
+    _, first, times = np.unique(keys[order], return_index=True, return_counts=True)
+    pairs = first[times == 2]
+    one, other = order[pairs], order[pairs + 1]
+    return one // 3, other // 3, start[one] == start[other]
+
+
+def _graph(one: IntArray, other: IntArray, size: int) -> coo_array:
+    return coo_array((np.ones(len(one), np.int8), (one, other)), shape=(size, size))
