@@ -133,7 +133,7 @@ def _marked(base: Base, request: MarkRequest, planned: Planned, *, bound: bool) 
     surface_of_moved(
         result, planned.mesh
     )  # remembered, so that `examine` welds only what rounding has joined
-    found = examine(as_shown(result), request.key)
+    found = examine(as_shown(result), request.key, made=request.id)
     if bound and found.marked and found.payload is None:
         raise _UnplacedError("the marks of authentication do not tell where the model lies")
     if not authentic(found, request.id):
