@@ -125,9 +125,8 @@ class Framed:
         """Yield the best choice for each step, of large models judged by some of the coordinates."""
         few = self.first(self.coordinates[-1], SCREENED)
         order = np.argsort(self.keys.draw[few], kind="stable")
-        draw, group, place, dither = (
-            each[few][order] for each in (self.keys.draw, self.group, self.points, self.keys.dither)
-        )
+        draw, place, dither = (each[few][order] for each in (self.keys.draw, self.points, self.keys.dither))
+        group = self.group[few][order]
         for step, room in zip(STEPS, self.room, strict=True):
             if not room.any():
                 continue
