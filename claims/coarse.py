@@ -141,7 +141,7 @@ def other_diagonals(surface: Surface, random: np.random.Generator) -> np.ndarray
 
 
 def off_plane(surface: Surface, after: FloatArray) -> float:
-    """Return the RMS distance, over the diagonal, of points of plane patches from planes fitted to these afterwards."""
+    """Return how far points of plane patches are off planes fitted to them afterwards, RMS over the diagonal."""
     return PlanePatches.of(surface.points, surface.faces).off_plane(after) / surface.diagonal
 
 

@@ -78,11 +78,17 @@ def test_what_breaks_a_mark_is_told_by_name(plain):
     )
 
 
-@pytest.mark.parametrize("tolerance", ["strict", "default", "tolerant", "web"])
-def test_a_tolerance_that_is_asked_for_is_kept_or_refused(tolerance):
+@pytest.fixture(scope="module")
+def coarse():
+    """A model that the layer of authentication is left out of."""
     points, faces = pebble()
-    coarse = Mesh(np.round(points, 3), faces, _Coarse())
-    assert embed(coarse, KEY, id=ID, strength="strong").layers == "ownership"
+    mesh = Mesh(np.round(points, 3), faces, _Coarse())
+    assert embed(mesh, KEY, id=ID, strength="strong").layers == "ownership"
+    return mesh
+
+
+@pytest.mark.parametrize("tolerance", ["strict", "default", "tolerant", "web"])
+def test_a_tolerance_that_is_asked_for_is_kept_or_refused(coarse, tolerance):
     with pytest.raises(CapacityError, match="authentication"):
         embed(coarse, KEY, id=ID, strength="strong", tolerance=tolerance)
 

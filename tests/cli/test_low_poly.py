@@ -15,6 +15,8 @@ from meshmark.marking import Certificate
 from meshmark.mesh import Mesh
 from tests.low_poly import table
 
+pytestmark = pytest.mark.usefixtures("short_search")
+
 IDENTITY = "0123456789abcdef"
 # What the format's numbers leave of the original, over the diagonal.
 FORMATS = {"obj": 1e-6, "stl": 1e-6, "glb": 1e-6}

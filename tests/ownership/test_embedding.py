@@ -111,7 +111,7 @@ def test_coincident_vertices_stay_coincident(model):
 def test_vertices_outside_the_surface_do_not_move(model):
     extra = np.array([[9.0, 9.0, 9.0], [-0.0, 0.0, 7.0]])
     more = Mesh(np.concatenate([extra, model.vertices]), model.faces + 2)
-    result = embed(more, KEY, id=ID, layers=None)
+    result = embed(more, KEY, id=ID, layers="both", payload="none")
     assert result.mesh.vertices[:2].tobytes() == extra.tobytes()
 
 
@@ -149,14 +149,14 @@ def test_a_reserve_beyond_the_budget_is_refused(model):
 
 def test_a_stray_vertex_does_not_stretch_the_budget(model):
     far = Mesh(np.concatenate([model.vertices, [[1e6, 0.0, 0.0]]]), model.faces)
-    result = embed(far, KEY, id=ID, layers=None)
+    result = embed(far, KEY, id=ID, layers="both", payload="none")
     moved = np.sqrt(((result.mesh.vertices[:-1] - model.vertices) ** 2).sum(axis=1).mean())
     assert moved <= BUDGETS["standard"] * np.linalg.norm(np.ptp(model.vertices, axis=0))
 
 
 @pytest.mark.parametrize("scale", [1e-80, 1e80])
 def test_any_unit_will_do(model, scale):
-    result = embed(Mesh(model.vertices * scale, model.faces), KEY, id=ID, layers=None)
+    result = embed(Mesh(model.vertices * scale, model.faces), KEY, id=ID, layers="both", payload="none")
     assert extract(result.mesh, KEY).id == ID
 
 

@@ -87,7 +87,9 @@ class Examination:
         return share if share > _SURE * 2.0 * scale.doubt else 0.0
 
 
-def examine(mesh: Mesh, key: Key, reference: Certificate | Mesh | None = None) -> Examination:
+def examine(
+    mesh: Mesh, key: Key, reference: Certificate | Mesh | None = None, *, made: int | None = None
+) -> Examination:
     """Look for the marks of a mesh; where they do not report the model's id, the ownership layer is read.
 
     Copies of one mesh that only their shape shows are looked for where the model is not intact without, and
@@ -100,6 +102,9 @@ def examine(mesh: Mesh, key: Key, reference: Certificate | Mesh | None = None) -
     key : Key
     reference : Certificate or Mesh, optional
         Helps to find the ownership layer.
+    made : int, optional
+        Id of marks that were just made. Where they do not hold with it, the ownership layer, which takes long to
+        read, can tell nothing else; and what are copies, the model's file says.
 
     Returns
     -------
@@ -113,9 +118,9 @@ def examine(mesh: Mesh, key: Key, reference: Certificate | Mesh | None = None) -
     if isinstance(reference, Certificate):
         refuse_edited(reference, key)
     effort = "plain" if reference is None else "quick"
-    ask = cache(lambda: extract(mesh, key, reference=reference, search=effort, cut=True))
-    found = _examined(mesh, marked_surface(mesh), key, reference, ask)
-    if isinstance(found.surface, Shown) or _intact(found):
+    ask = cache(lambda: extract(mesh, key, reference=reference, search=effort, cut=made is None))
+    found = _examined(mesh, marked_surface(mesh), key, reference, ask, made=made)
+    if made is not None or isinstance(found.surface, Shown) or _intact(found):
         return found
     if found.payload and not found.payload.whole.distinct:
         return found
@@ -152,11 +157,15 @@ def _examined(
     key: Key,
     reference: Certificate | Mesh | None,
     ask: Callable[[], Extraction],
+    *,
+    made: int | None = None,
 ) -> Examination:
-    """Examine one surface of a mesh; ask: reads the ownership layer."""
+    """Examine one surface of a mesh; ask: reads the ownership layer; made: see `examine`."""
     checks = check(surface, key)
     identity = checks.nonce
     if identity is None or checks.log10_chance > MARKED_LOG10:
+        if made is not None and check(surface, key, made).log10_chance > MARKED_LOG10:
+            return _unmarked(surface, checks)
         found = ask()
         identity = found.id
         if identity is not None:
@@ -204,6 +213,18 @@ def _examined(
         since=since,
         rounded=rounded,
         remark=remark,
+    )
+
+
+def _unmarked(surface: Surface, checks: Checks) -> Examination:
+    """Return that neither marks nor an id are there."""
+    return Examination(
+        surface=surface,
+        checks=checks,
+        id=None,
+        marked=False,
+        altered=np.ones(len(surface.points), bool),
+        log10_false_positive=checks.log10_chance,
     )
 
 

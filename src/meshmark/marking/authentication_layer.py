@@ -179,7 +179,7 @@ def _marked(base: Base, request: MarkRequest, planned: Planned, *, bound: bool) 
         if below.id != request.id:
             raise _IdLostError("the id cannot be read beside the marks of authentication")
         carriers = below.carriers
-    found = examine(as_shown(result), request.key)
+    found = examine(as_shown(result), request.key, made=request.id)
     if bound and found.marked and found.payload is None:
         raise _UnplacedError("the marks of authentication do not tell where the model lies")
     if not authentic(found, request.id):

@@ -112,6 +112,6 @@ def broken_by(mesh: Mesh, key: Key, identity: int, bears: Iterable[str], error: 
             continue
         rounded = mesh.with_vertices(vertices)
         surface_of_moved(rounded, mesh)  # remembered, so that `examine` need not weld it
-        if not authentic(examine(as_shown(rounded), key), identity):
+        if not authentic(examine(as_shown(rounded), key, made=identity), identity):
             return called
     return None

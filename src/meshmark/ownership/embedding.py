@@ -98,7 +98,7 @@ def _marked(task: EmbeddingTask) -> Owned:
 
 
 def _beside_planes(task: EmbeddingTask) -> Owned | None:
-    """Return a mark in cells that leaves plane parts alone, None where there are none, or too little beside them."""
+    """Return a mark in cells that leaves plane parts alone, None where there are none or too little beside them."""
     if not task.has_planes:
         return None
     try:

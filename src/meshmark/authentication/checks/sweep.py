@@ -22,8 +22,9 @@ from meshmark.authentication.marks.ring_shapes import RingShapes
 from meshmark.authentication.marks.rings import Rings
 from meshmark.authentication.marks.symbols import read_header
 from meshmark.authentication.marks.words import PURPOSE
+from meshmark.authentication.parameters import Layout
 from meshmark.coding.keys import Key
-from meshmark.mesh import FloatArray
+from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["Sweep", "sweep", "vouched"]
 
@@ -34,6 +35,9 @@ _MARGIN = 1.1
 _ROUNDED, _NEAR = 0.03, 0.15
 # Marks beside those that tell the id on which each likely one is tried.
 _SAMPLE = 600
+# One in so many of these tells most of the wrong ids: those that have less than half as many marks as the best one,
+# by this number, which may hold by luck.
+_SCREENED, _BY_LUCK = 6, 3
 _Parts = list[tuple[Rings, RingShapes]]
 
 
@@ -145,5 +149,14 @@ def _reported_id(found: Candidates, key: Key, setting: Setting) -> int | None:
     likely = read_header(header.index, symbol, 1.0 / tries[header.vertex], setting.layout.symbol)
     rest = np.flatnonzero(found.kind != HEADER)
     some = found.take(rest[:: max(len(rest) // _SAMPLE, 1)])
-    held = [int(read_marks(some, key, setting.layout, each).holds.sum()) for each in likely]
-    return likely[int(np.argmax(held))] if likely else None
+    if not likely:
+        return None
+    few = some.take(np.arange(0, len(some.vertex), _SCREENED))
+    held = _held(few, key, setting.layout, likely)
+    likely = [likely[each] for each in np.flatnonzero(held >= held.max() / 2 - _BY_LUCK)]
+    return likely[int(_held(some, key, setting.layout, likely).argmax())] if len(likely) > 1 else likely[0]
+
+
+def _held(found: Candidates, key: Key, layout: Layout, likely: list[int]) -> IntArray:
+    """Return (k,): how many of the candidates are marks of each of the likely ids."""
+    return np.array([int(read_marks(found, key, layout, each).holds.sum()) for each in likely])

@@ -103,7 +103,7 @@ class Framed:
 
     def phases(self, step: float) -> FloatArray:
         """Return the phases (p, 3), radians, at a step in canonical units."""
-        return np.asarray(2.0 * np.pi * (self.points / step - self.keys.dither))
+        return _phases(self.points, step, self.keys.dither)
 
     def carrying(self, choice: Choice) -> NDArray[np.bool_]:
         """Return (p, 3): the coordinates that carry under a choice."""
@@ -124,13 +124,13 @@ class Framed:
     def locks(self) -> Iterator[PointLock]:
         """Yield the best choice for each step, of large models judged by some of the coordinates."""
         few = self.first(self.coordinates[-1], SCREENED)
-        draw, group = self.keys.draw[few], self.group[few]
-        order = np.argsort(draw, kind="stable")
-        draw, group = draw[order], group[order]
+        order = np.argsort(self.keys.draw[few], kind="stable")
+        draw, place, dither = (each[few][order] for each in (self.keys.draw, self.points, self.keys.dither))
+        group = self.group[few][order]
         for step, room in zip(STEPS, self.room, strict=True):
             if not room.any():
                 continue
-            wave = np.exp(2j * self.phases(step)[few])[order]
+            wave = np.exp(2j * _phases(place, step, dither))
             chances = []
             for mode, coordinates in enumerate(self.coordinates):
                 carries = (coordinates & room[:, None])[few][order]
@@ -175,6 +175,10 @@ class Framed:
         )
 
 
+def _phases(places: FloatArray, step: float, dither: FloatArray) -> FloatArray:
+    return np.asarray(2.0 * np.pi * (places / step - dither))
+
+
 def _summed(wave: NDArray[np.complex128], group: IntArray) -> tuple[FloatArray, FloatArray]:
     """Return the real part of the sum of the waves of each group, and the square of its size."""
     real, imaginary = (np.bincount(group, part).astype(np.float64) for part in (wave.real, wave.imag))
@@ -185,12 +189,16 @@ def _chances(
     wave: NDArray[np.complex128], draw: FloatArray, group: IntArray, step: float, mode: int
 ) -> list[tuple[float, Choice]]:
     """Return the chance of the lock of each share that has coordinates enough; in the order of the draws (n,)."""
-    names, first, row = np.unique(group, return_index=True, return_inverse=True)
-    real, square = _summed(wave, row)
-    by_draw = np.argsort(first, kind="stable")  # groups in the order of their draws
-    real, square = np.cumsum(real[by_draw]), np.cumsum(square[by_draw])
-    count = np.cumsum(np.bincount(row, minlength=len(names))[by_draw])
-    draws = draw[first[by_draw]]
+    if not len(draw):
+        return []
+    row = np.arange(len(group))
+    first = np.empty(int(group.max()) + 1, np.int64)
+    first[group[::-1]] = row[::-1]  # where each group comes first: of several values the last one stays
+    first = np.flatnonzero(first[group] == row)
+    by_draw = group[first]  # groups in the order of their draws
+    real, square = (np.cumsum(each[by_draw]) for each in _summed(wave, group))
+    count = np.cumsum(np.bincount(group)[by_draw])
+    draws = draw[first]
     chances = []
     for share in SHARES:
         choice = Choice(step=step, mode=mode, share=share)

@@ -72,7 +72,7 @@ SUITES: dict[str, Suite] = {
             Part(
                 attacks=("noise:0.001", "smoothing:5", "quantisation:11", "simplification:0.5", "crop:0.03")
             ),
-            Part(attacks=("none",), trial="wrong key", repeats=4),
+            Part(attacks=("none",), trial="wrong key", repeats=2),
             Part(attacks=("none", "noise:0.003"), trial="unmarked"),
         ),
     ),
