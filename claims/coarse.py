@@ -3,9 +3,10 @@
 python -m claims.coarse ROWS.csv [--split test] [--limit N] [--minutes M] [--least 40] [--tables]
 
 Each model is marked with an id alone, with a key of its own, in an order in which any first few are spread over
-sizes. A row is written as soon as its model is done; run it again to continue an interrupted run. Models with fewer
-than `--least` welded points are left out. At the end, or at once with --tables, shares of exact ids are printed by
-size class, for all changes of `CHANGES`; wrong ids, and "present" where there is no mark, are counted besides.
+sizes, and once more with both layers, to see whether the marks of authentication fit and hold. A row is written as
+soon as its model is done; run it again to continue an interrupted run. Models with fewer than `--least` welded
+points are left out. At the end, or at once with --tables, shares of exact ids are printed by size class, for all
+changes of `CHANGES`; wrong ids, and "present" where there is no mark, are counted besides.
 
 Figures of docs/results/coarse.md.
 """
@@ -25,6 +26,8 @@ import numpy as np
 from claims.models import DATA, SIZE_CLASSES, load, size_class
 from claims.princeton import models_of, read_rows
 from meshmark.attacks import parse_chain
+from meshmark.authentication.checks.checks import check
+from meshmark.certificate.certificate import Certificate
 from meshmark.coding.keys import Key
 from meshmark.errors import CapacityError, MeshmarkError
 from meshmark.geometry.areas import area_vectors
@@ -32,15 +35,20 @@ from meshmark.geometry.plane_patches import PlanePatches
 from meshmark.geometry.surface import Surface
 from meshmark.geometry.surface_of import surface_of
 from meshmark.geometry.visibility import VisibleChange
-from meshmark.marking import embed, extract
+from meshmark.marking import authenticate, embed, extract
 from meshmark.mesh import FloatArray, Mesh
 
 CHANGES = (
     "similarity:1+shuffle:1+float32:1",
     "similarity:1+unweld:1+file_stl:1",
+    "file_off:1",
     "file_obj:1",
+    "file_ply:1",
     "file_glb:1",
+    "file_gltf:1",
+    "file_3mf:1",
     "six digits",
+    "six decimals",
     "other diagonals",
     "midpoint:1",
     "similarity:1+quantisation:16",
@@ -51,9 +59,15 @@ CHANGES = (
     "noise:0.0005+similarity:1",
     "noise:0.001+similarity:1",
 )
-"""Chains of attacks, and two that are made here."""
+"""Chains of attacks, and three that are made here; read with the key alone."""
+CERTIFIED = ("similarity:1+delete_part:0.1", "similarity:1+delete_part:0.3")
+"""Chains of attacks that are read with the certificate."""
 FIGURES = ("points", "carriers", "rms", "largest", "visible", "off_plane", "embed_seconds", "extract_seconds")
-COLUMNS = ("model", "size_class", "outcome", *FIGURES, *CHANGES, "unmarked", "wrong key", "seconds")
+SIGNED = ("both layers", "signed", "watched", "authentic", "one point moved")
+"""Of a second copy, with both layers: the outcome, marks, share of the points that they watch, and two verdicts."""
+COLUMNS = (
+    "model", "size_class", "outcome", *FIGURES, *CHANGES, *CERTIFIED, "unmarked", "wrong key", *SIGNED, "seconds",
+)  # fmt: skip
 # Faces whose normals differ by less (1 - cosine) lie in one plane.
 PLANE = 1e-6
 
@@ -85,21 +99,54 @@ def row_of(model: str) -> dict[str, str]:
         "off_plane": f"{100 * off_plane(surface, after):.5f}",
     }
     for change in CHANGES:
-        random = np.random.default_rng(
-            int.from_bytes(hashlib.sha256(f"{model} {change}".encode()).digest()[:8])
-        )
+        random = _random(model, change)
         try:
             row[change] = _answer(changed(change, made.mesh, surface, random), key, identity)
         except MeshmarkError as error:
             row[change] = f"refused: {error}"
+    certificate = made.certificate
+    for change in CERTIFIED:
+        random = _random(model, change)
+        try:
+            row[change] = _answer(parse_chain(change)(made.mesh, random), key, identity, certificate)
+        except MeshmarkError as error:
+            row[change] = f"refused: {error}"
+    row |= _signed(mesh, key, identity, model)
     row["unmarked"] = _answer(mesh, key, identity)
     row["wrong key"] = _answer(made.mesh, Key(hashlib.sha256(digest).digest()), identity)
     return row | {"seconds": f"{process_time() - start:.2f}"}
 
 
-def _answer(mesh: Mesh, key: Key, identity: int) -> str:
+def _random(model: str, change: str) -> np.random.Generator:
+    return np.random.default_rng(int.from_bytes(hashlib.sha256(f"{model} {change}".encode()).digest()[:8]))
+
+
+def _signed(mesh: Mesh, key: Key, identity: int, model: str) -> dict[str, str]:
+    """Return what `SIGNED` names."""
+    try:
+        made = embed(mesh, key, id=identity, layers="both", payload="none")
+    except CapacityError as error:
+        return {"both layers": f"refused: {error}"}
+    assert made.authentication is not None
+    surface = surface_of(made.mesh)
+    watched = check(surface, key, identity).verified
+    random = _random(model, "signed")
+    same = parse_chain("similarity:1+shuffle:1+float32:1")(made.mesh, random)
+    points = surface.points.copy()
+    points[random.choice(np.flatnonzero(surface.used))] += 0.01 * surface.diagonal * random.normal(size=3)
+    moved = made.mesh.with_vertices(points[surface.point_of_vertex])
+    return {
+        "both layers": "id",
+        "signed": str(made.authentication.marks),
+        "watched": f"{100 * watched.sum() / surface.used.sum():.1f}",
+        "authentic": authenticate(same, key).verdict,
+        "one point moved": authenticate(moved, key).verdict,
+    }
+
+
+def _answer(mesh: Mesh, key: Key, identity: int, reference: Certificate | None = None) -> str:
     """Return "id", "wrong id", or what `extract` says instead."""
-    found = extract(mesh, key)
+    found = extract(mesh, key, reference=reference)
     if found.id is None:
         return found.presence
     return "id" if found.id == identity else "wrong id"
@@ -108,7 +155,9 @@ def _answer(mesh: Mesh, key: Key, identity: int) -> str:
 def changed(change: str, mesh: Mesh, surface: Surface, random: np.random.Generator) -> Mesh:
     """Return a marked mesh after a change; surface: of the unmarked one."""
     if change == "six digits":
-        return Mesh(np.array([float(f"{x:.6g}") for x in mesh.vertices.ravel()]).reshape(-1, 3), mesh.faces)
+        return mesh.with_vertices(np.char.mod("%.6g", mesh.vertices).astype(np.float64))
+    if change == "six decimals":
+        return mesh.with_vertices(np.char.mod("%.6f", mesh.vertices).astype(np.float64))
     if change == "other diagonals":
         marked = mesh.vertices[surface.vertex_of_point]
         return Mesh(marked, other_diagonals(surface, random))
@@ -163,15 +212,27 @@ def tables(rows: Sequence[dict[str, str]]) -> str:
     line("models", (str(len(part)) for part in parts.values()))
     line("marked", (str(len(part)) for part in marked.values()))
     line("of these at points", (str(sum(row["points"] == "1" for row in part)) for part in marked.values()))
-    for title in ("outcome", *CHANGES):
-        shown = "as written" if title == "outcome" else title
+    for title in ("outcome", *CHANGES, *CERTIFIED, "both layers"):
+        shown = {"outcome": "as written", "both layers": "both layers fit"}.get(title, title)
+        shown += ", with certificate" if title in CERTIFIED else ""
         line(shown, (_share(part, title) for part in marked.values()))
+    line(
+        "authentic, turned, in another order",
+        (_share(part, "authentic", "authentic") for part in marked.values()),
+    )
+    line("one point moved: altered", (_share(part, "one point moved", "altered") for part in marked.values()))
+    watched = {name: [row for row in part if row["watched"]] for name, part in marked.items()}
+    line(
+        "points watched, median / 5th percentile, %",
+        (_spread(part, "watched", lowest=True) for part in watched.values()),
+    )
     for title, words in (("visible", "visible share, median / 95th percentile, %"),
-                         ("off_plane", "points inside planes off them, RMS, worst, % of the diagonal"),
+                         ("off_plane", "plane patches off planes, RMS, median / 95th percentile, %"),
                          ("embed_seconds", "embedding, median / 95th percentile, s"),
                          ("extract_seconds", "extraction as written, median / 95th percentile, s")):  # fmt: skip
-        line(words, (_spread(part, title, worst=title == "off_plane") for part in marked.values()))
-    everything = [row[title] for row in rows for title in ("outcome", *CHANGES, "unmarked", "wrong key")]
+        line(words, (_spread(part, title) for part in marked.values()))
+    answers = ("outcome", *CHANGES, *CERTIFIED, "unmarked", "wrong key")
+    everything = [row[title] for row in rows for title in answers]
     nothing = [row[title] for row in rows for title in ("unmarked", "wrong key") if row[title]]
     lines += [
         "",
@@ -181,18 +242,18 @@ def tables(rows: Sequence[dict[str, str]]) -> str:
     return "\n".join(lines)
 
 
-def _share(rows: Sequence[dict[str, str]], title: str) -> str:
-    tried = [row[title] for row in rows if row[title] and not row[title].startswith("refused")]
-    return f"{sum(each == 'id' for each in tried)} of {len(tried)}" if tried else "-"
+def _share(rows: Sequence[dict[str, str]], title: str, wanted: str = "id") -> str:
+    told = [row[title] for row in rows if row[title]]
+    tried = told if title == "both layers" else [each for each in told if not each.startswith("refused")]
+    return f"{sum(each == wanted for each in tried)} of {len(tried)}" if tried else "-"
 
 
-def _spread(rows: Sequence[dict[str, str]], title: str, *, worst: bool) -> str:
+def _spread(rows: Sequence[dict[str, str]], title: str, *, lowest: bool = False) -> str:
     values = [float(row[title]) for row in rows]
     if not values:
         return "-"
-    if worst:
-        return f"{max(values):.4f}"
-    return f"{np.median(values):.2f} / {np.quantile(values, 0.95):.2f}"
+    digits = 4 if title == "off_plane" else 2
+    return f"{np.median(values):.{digits}f} / {np.quantile(values, 0.05 if lowest else 0.95):.{digits}f}"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -1,0 +1,69 @@
+"""Models with plane sides keep them plane: cells beside them carry, or points that slide along them."""
+
+from __future__ import annotations
+
+import pytest
+
+from meshmark.geometry.plane_patches import PlanePatches
+from meshmark.geometry.surface_of import surface_of
+from meshmark.mesh import Mesh
+from meshmark.ownership import embedding
+from meshmark.ownership.embedding import embed
+from meshmark.ownership.embedding_task import PLANE_OFF, EmbeddingTask
+from tests.keys import ID, KEY
+from tests.low_poly import box, joined, prism
+from tests.shapes import boulder
+
+
+def flat_and_round():
+    """A rough boulder of 1,200 points on a broad slab."""
+    return Mesh(*joined([boulder(50, 0.02), box((8, 8, 1), (3.0, 3.0, 0.3), (-1.5, -1.5, -1.9))]))
+
+
+def off_plane(before: Mesh, after: Mesh) -> float:
+    surface = surface_of(before)
+    found = PlanePatches.of(surface.points, surface.faces)
+    assert found.share > 0.1
+    return found.off_plane(after.vertices[surface.vertex_of_point]) / surface.diagonal
+
+
+@pytest.fixture(scope="module")
+def mixed():
+    return flat_and_round()
+
+
+def test_cells_beside_the_planes_carry(mixed):
+    made = embed(mixed, KEY, id=ID)
+    assert not made.mark.at_points
+    assert off_plane(mixed, made.mesh) <= PLANE_OFF
+    slab = mixed.vertices[:, 2] <= -1.6
+    assert (made.mesh.vertices[slab] == mixed.vertices[slab]).all()
+
+
+def test_without_room_beside_them_points_carry(mixed, monkeypatch):
+    monkeypatch.setattr(embedding, "_beside_planes", lambda _task: None)
+    made = embed(mixed, KEY, id=ID)
+    assert made.mark.at_points
+    assert off_plane(mixed, made.mesh) <= PLANE_OFF
+
+
+def test_a_column_of_flat_panels_stays_one():
+    column = Mesh(*prism(30, 6, 6.0))
+    assert off_plane(column, embed(column, KEY, id=ID).mesh) <= PLANE_OFF
+
+
+def test_large_models_keep_the_tougher_mark(mixed, monkeypatch):
+    monkeypatch.setattr(embedding, "SMALL", 100)
+    monkeypatch.setattr(embedding, "TOUGH", 1e9)
+    assert not embed(mixed, KEY, id=ID).mark.at_points
+    task = EmbeddingTask(mesh=mixed, key=KEY, identity=ID, strength="standard", rms=8e-4)
+    assert task.has_planes
+    dented = embed(mixed, KEY, id=ID).mesh
+    assert not task.keeps_planes(dented)
+
+
+def test_cells_that_bear_no_noise_give_way_to_points(monkeypatch):
+    rough = Mesh(*boulder(40, 0.02))
+    assert not embed(rough, KEY, id=ID).mark.at_points
+    monkeypatch.setattr(embedding, "FRAIL_NOISE", 2e-2)
+    assert embed(rough, KEY, id=ID).mark.at_points
