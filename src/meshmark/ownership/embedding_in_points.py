@@ -117,9 +117,11 @@ def _told(task: EmbeddingTask, marked: Mesh, lattice: PointLattice, choice: Choi
     surface, frame = surface_of_moved(marked, task.mesh), task.surface.frame
     framed = Framed.of(surface, Carried.of(surface, frame), frame, lattice)
     reading = framed.reading(choice, 1.0)
-    wrong = 0.5 * (1.0 - max(reading.score, 0.0) / max(len(reading.phase), 1))
-    entropy = -sum(share * np.log2(share) for share in (wrong, 1.0 - wrong) if share > 0.0)
-    return len(np.unique(reading.keys.code_index)) * float(1.0 - entropy)
+    if not len(reading.phase):
+        return 0.0
+    wrong = 1.0 / (1.0 + np.exp(np.abs(reading.ratios())))
+    entropy = -(wrong * np.log2(wrong) + (1.0 - wrong) * np.log2(1.0 - wrong))
+    return len(np.unique(reading.keys.code_index)) * float(1.0 - entropy.mean())
 
 
 def _read_back(task: EmbeddingTask, marked: Mesh) -> int:

@@ -10,7 +10,7 @@ __all__ = ["OwnershipMark", "noise_borne"]
 
 # A mark bears noise in proportion to its step, and about to this power of the number of code bits beyond those
 # needed.
-_NEEDED, _REDUNDANCY = 72, 0.4
+_NEEDED, _REDUNDANCY = 85, 0.5
 
 
 def noise_borne(step: float, bits: float) -> float:

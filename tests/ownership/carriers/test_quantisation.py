@@ -11,6 +11,7 @@ from meshmark.ownership.carriers.quantisation import (
     lock_score,
     log10_lock_chance,
     log_likelihood_ratio,
+    log_likelihood_ratio_of_points,
     nearest_offsets,
 )
 
@@ -70,3 +71,35 @@ def test_likelihood_is_antisymmetric_and_right_on_clean_and_noisy_phases():
     np.testing.assert_array_equal(ratio > 0, np.cos(phase) > 0)
     noisy = log_likelihood_ratio(RANDOM.uniform(0, 2 * np.pi, 500))
     assert np.abs(noisy).mean() < 0.3 * np.abs(ratio).mean()
+
+
+def of_points(broken: float, off: float, count: int = 600):
+    """Phases of random bits, some of them broken, and the bits."""
+    random = np.random.default_rng(3)
+    bits = random.integers(0, 2, count)
+    phase = np.pi * bits + off * random.normal(size=count)
+    gone = random.random(count) < broken
+    phase[gone] = random.uniform(-np.pi, np.pi, int(gone.sum()))
+    return phase, bits
+
+
+@pytest.mark.parametrize("broken", [0.0, 0.2, 0.5])
+def test_points_that_could_not_be_set_hardly_count(broken):
+    phase, bits = of_points(broken, 0.05)
+    told = log_likelihood_ratio_of_points(phase) * (1 - 2 * bits)
+    assert (told > 0.0).mean() > 1.0 - broken
+    assert -told[told < 0.0].sum() < 0.1 * told[told > 0.0].sum()
+    assert told.mean() > 0.7 * (1.0 - broken) * told.max()
+
+
+def test_what_points_tell_is_turned_round_with_their_bits():
+    phase, _ = of_points(0.3, 0.3)
+    assert np.allclose(log_likelihood_ratio_of_points(phase), -log_likelihood_ratio_of_points(phase + np.pi))
+    assert log_likelihood_ratio_of_points(phase[:0]).shape == (0,)
+
+
+def test_without_a_mark_points_tell_little():
+    phase = np.random.default_rng(5).uniform(-np.pi, np.pi, 500)
+    marked, _ = of_points(0.0, 0.05)
+    assert np.abs(log_likelihood_ratio_of_points(phase)).mean() < 1.0
+    assert np.abs(log_likelihood_ratio_of_points(marked)).mean() > 4.0

@@ -19,6 +19,8 @@ __all__ = ["MOST_CORNERS", "corners_to_keep", "match_corners"]
 
 MOST_CORNERS = 100
 """Triangles of a model that are kept."""
+# The smallest faces, slivers among them, are not kept: this share of all may be.
+_SOUND = 0.75
 # Triangles of a suspect that are looked at, the largest.
 _LOOKED_AT = 4000
 # Shapes of triangles agree when two ratios of their edges do, to this.
@@ -28,14 +30,25 @@ _TRIED = 3000
 # A corner is found where a point of the suspect is so near, over the scale of the model.
 _NEAR = 0.004
 # Corners that a first look asks for, and the share of them that must be found.
-_FIRST, _SHARE = 24, 0.3
+_FIRST, _SHARE = 24, 0.15
+# Fewest corners that are found of a model that is worth a look.
+_LEAST = 6
 # Similarities that are returned, and how far they are apart, over the scale: nearer ones are the same.
 _KEPT, _APART = 5, 0.02
 
 
 def corners_to_keep(points: FloatArray, faces: IntArray) -> FloatArray:
-    """Return the corners (k, 3, 3) of the largest faces, `MOST_CORNERS` at most; in the unit of the points."""
-    return _largest(points, faces, MOST_CORNERS)
+    """Return the corners (k, 3, 3) of faces, `MOST_CORNERS` at most; in the unit of the points.
+
+    Half of them are of the largest faces, the others of all sizes: a part that holds most of the surface need not
+    hold most of the points.
+    """
+    large = _largest(points, faces, len(faces))
+    half = MOST_CORNERS // 2
+    rest = large[half : max(int(_SOUND * len(large)), half)]
+    if len(rest) > half:
+        rest = rest[np.linspace(0, len(rest) - 1, half).astype(np.int64)]
+    return np.concatenate([large[:half], rest])
 
 
 def match_corners(corners: FloatArray, points: FloatArray, faces: IntArray) -> list[Similarity]:
@@ -70,7 +83,7 @@ def match_corners(corners: FloatArray, points: FloatArray, faces: IntArray) -> l
         if _found(guess, first, tree)[0].mean() < _SHARE:
             continue
         seen, nearest = _found(guess, places, tree)
-        if seen.sum() < 4 or seen.mean() < _SHARE:
+        if seen.sum() < _LEAST or seen.mean() < _SHARE:
             continue
         fit = fit_similarity(places[seen], points[nearest[seen]])
         share = float(_found(fit, places, tree)[0].mean())

@@ -10,10 +10,20 @@ import numpy as np
 
 from meshmark.mesh import FloatArray, IntArray
 
-__all__ = ["bit_phase", "lock_score", "log10_lock_chance", "log_likelihood_ratio", "nearest_offsets"]
+__all__ = [
+    "bit_phase",
+    "lock_score",
+    "log10_lock_chance",
+    "log_likelihood_ratio",
+    "log_likelihood_ratio_of_points",
+    "nearest_offsets",
+]
 
 # Share of cells taken to say nothing, so that no single one can outvote many.
 BROKEN_SHARE = 0.03
+# Of points, the shares that are tried, and the variances of the phases of the others, in square radians.
+BROKEN_SHARES = np.array([0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9])
+WIDTHS = 4e-4 * 4.0 ** np.arange(7)
 
 
 def nearest_offsets(
@@ -69,6 +79,23 @@ def log_likelihood_ratio(phase: FloatArray) -> FloatArray:
     variance = -0.5 * np.log(agreement)  # E cos(2 phase) = exp(-2 variance)
     zero, one = (_wrapped_normal(phase - centre, variance) for centre in (0.0, np.pi))
     broken = BROKEN_SHARE / (2.0 * np.pi)
+    return np.asarray(np.log(zero + broken) - np.log(one + broken))
+
+
+def log_likelihood_ratio_of_points(phase: FloatArray) -> FloatArray:
+    """Return log P(phase | 0) / P(phase | 1), (n,), where many carriers may be broken and the others hardly off.
+
+    As `log_likelihood_ratio`, with the share of the broken and the width of the noise that make the doubled phases
+    likeliest: those do not depend on the bits, so without a mark the signs stay fair coins.
+    """
+    if not len(phase):
+        return np.zeros(0)
+    doubled = np.stack([_wrapped_normal(2.0 * phase, 4.0 * variance) for variance in WIDTHS])
+    mixed = (1.0 - BROKEN_SHARES[:, None, None]) * doubled + BROKEN_SHARES[:, None, None] / (2.0 * np.pi)
+    likelihood = np.log(mixed).sum(axis=2)
+    share, width = np.unravel_index(int(likelihood.argmax()), likelihood.shape)
+    zero, one = (_wrapped_normal(phase - centre, float(WIDTHS[width])) for centre in (0.0, np.pi))
+    broken = BROKEN_SHARES[share] / (1.0 - BROKEN_SHARES[share]) / (2.0 * np.pi)
     return np.asarray(np.log(zero + broken) - np.log(one + broken))
 
 

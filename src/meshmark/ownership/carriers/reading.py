@@ -10,7 +10,7 @@ from meshmark.coding.codec import LENGTH
 from meshmark.mesh import FloatArray
 from meshmark.ownership.carriers.lattice import CellKeys
 from meshmark.ownership.carriers.lattice_label import Label
-from meshmark.ownership.carriers.quantisation import log_likelihood_ratio
+from meshmark.ownership.carriers.quantisation import log_likelihood_ratio, log_likelihood_ratio_of_points
 
 __all__ = ["Reading"]
 
@@ -38,7 +38,8 @@ class Reading:
 
     def ratios(self) -> FloatArray:
         """Return the log-likelihood ratio (n,) of the bit of each carrier, 0 where it has none."""
-        return np.where(self.keys.pilot, 0.0, log_likelihood_ratio(self.phase))
+        ratio = log_likelihood_ratio_of_points if self.at_points else log_likelihood_ratio
+        return np.where(self.keys.pilot, 0.0, ratio(self.phase))
 
     def observed(self) -> FloatArray:
         """Return the log-likelihood ratio of each code bit, 0 where no carrier has it."""
