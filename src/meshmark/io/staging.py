@@ -49,6 +49,10 @@ class Staging:
         """Return where the files go, links resolved."""
         return tuple(self._staged)
 
+    def staged(self, path: Path | str) -> Path:
+        """Return the temporary name of a file that was put; raises `KeyError` for others."""
+        return self._staged[Path(os.path.realpath(path))]
+
     def keep(self, *paths: Path) -> None:
         """Add files that are not to be touched."""
         self._kept += paths

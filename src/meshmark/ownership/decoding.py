@@ -24,6 +24,8 @@ class Found:
     shows it.
     log10_false_positive: bound on the chance of this without a mark, over all that was tried.
     stopped: the time ran out before the search was at its end.
+    log10_words: for each id a bound on the chance that a reading of something else tells it: over all that was
+    tried, and without the lock, which is no chance where another mark of this key is there.
     """
 
     reading: Reading | None
@@ -31,6 +33,7 @@ class Found:
     log10_false_positive: float
     ids: tuple[int, ...] = ()
     stopped: bool = False
+    log10_words: tuple[float, ...] = ()
 
     @property
     def id(self) -> int | None:
@@ -71,7 +74,13 @@ def decoded(codec: Codec, reading: Reading, listed: Listed) -> Found | None:
         word = codec.decode(signed, limit)
         bound = _log10_bound(reading.log10_chance + word.log10_chance, hypotheses)
         if word.id is not None and bound <= PRESENT_LOG10:
-            return Found(reading=reading, ids=(word.id,), present=True, log10_false_positive=bound)
+            return Found(
+                reading=reading,
+                ids=(word.id,),
+                present=True,
+                log10_false_positive=bound,
+                log10_words=(word.log10_chance + log10(hypotheses),),
+            )
     return named
 
 
@@ -85,7 +94,14 @@ def _pair(codec: Codec, reading: Reading, observed: FloatArray, hypotheses: floa
     bound = _log10_bound(sum(pair.log10_chances), hypotheses)
     if max(pair.log10_chances) > PROVEN_LOG10 or bound > PRESENT_LOG10:
         return None
-    return Found(reading=reading, ids=pair.ids, present=True, log10_false_positive=bound)
+    either = max(pair.log10_chances) + log10(2.0 * hypotheses)  # where either word is wrong, so are both ids
+    return Found(
+        reading=reading,
+        ids=pair.ids,
+        present=True,
+        log10_false_positive=bound,
+        log10_words=(either, either),
+    )
 
 
 def _among(
@@ -101,7 +117,11 @@ def _among(
         return None
     best = shown[np.argsort(chances[shown], kind="stable")]
     return Found(
-        reading=reading, ids=tuple(listed.ids[row] for row in best), present=True, log10_false_positive=bound
+        reading=reading,
+        ids=tuple(listed.ids[row] for row in best),
+        present=True,
+        log10_false_positive=bound,
+        log10_words=tuple(float(chances[row]) + log10(hypotheses) for row in best),
     )
 
 
