@@ -45,7 +45,7 @@ class Database:
             return URL.create("sqlite+pysqlite", database=self.place)
         try:
             url = make_url(self.place)
-        except ArgumentError:
+        except (ArgumentError, ValueError):
             raise RegistryError(f"the address of the registry cannot be read, {_EXPECTED}") from None
         if url.drivername == "sqlite" and url.database:
             return url.set(drivername="sqlite+pysqlite")

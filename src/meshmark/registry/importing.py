@@ -10,8 +10,8 @@ from typing import Any, Final
 
 from meshmark.coding.message import parse_id
 from meshmark.errors import InputError
+from meshmark.registry.database_tables import ISSUED, PENDING
 from meshmark.registry.records import Copy, MarkedWith, Original
-from meshmark.registry.schema import ISSUED, PENDING
 from meshmark.registry.times import check_time, now
 
 __all__ = ["NEEDED", "Incoming", "checked_copy", "checked_original"]

@@ -8,7 +8,7 @@ from sqlalchemy import Connection, inspect, text
 from sqlalchemy.exc import SQLAlchemyError
 
 from meshmark.errors import RegistryError
-from meshmark.registry.schema import REVISION
+from meshmark.registry.database_tables import REVISION
 
 if TYPE_CHECKING:
     from alembic.script import ScriptDirectory

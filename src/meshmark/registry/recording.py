@@ -18,9 +18,9 @@ from meshmark.coding.message import format_id
 from meshmark.errors import RegistryError
 from meshmark.marking.embedding_result import Embedding
 from meshmark.registry.commitment import Statement, key_check, opening_of
+from meshmark.registry.database_tables import PENDING
 from meshmark.registry.records import Copy, MarkedWith, Original
 from meshmark.registry.registry import Registry
-from meshmark.registry.schema import PENDING
 from meshmark.registry.times import now
 
 __all__ = ["Entry", "digest_of_file", "mark_of", "recorded"]

@@ -11,7 +11,8 @@ name. After a crash a row may stay pending; no file has a name without a complet
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from types import TracebackType
 from typing import Self
 
@@ -21,11 +22,11 @@ from sqlalchemy.exc import IntegrityError
 from meshmark.coding.message import format_id, random_id
 from meshmark.errors import RegistryError
 from meshmark.registry.connection import Database
+from meshmark.registry.database_tables import ISSUED, PENDING, copies, originals
 from meshmark.registry.importing import Incoming
 from meshmark.registry.migrating import check_tables, make_tables
 from meshmark.registry.records import Copy, Original
 from meshmark.registry.rows import copy_of, copy_query, copy_values, original_of, plain, row_of, same_copy
-from meshmark.registry.schema import ISSUED, PENDING, copies, originals
 
 __all__ = ["Registry"]
 
@@ -48,7 +49,8 @@ class Registry:
         Raises `RegistryError` where there is none.
         """
         database = Database(os.fspath(place))
-        check_tables(database)
+        with _closed_where_it_fails(database):
+            check_tables(database)
         return cls(database)
 
     @classmethod
@@ -58,7 +60,9 @@ class Registry:
         Returns it, and whether there was anything to do. Raises `RegistryError` where that fails.
         """
         database = Database(os.fspath(place))
-        return cls(database), make_tables(database)
+        with _closed_where_it_fails(database):
+            changed = make_tables(database)
+        return cls(database), changed
 
     def __enter__(self) -> Self:
         return self
@@ -271,6 +275,15 @@ class Registry:
                 raise RegistryError(
                     f"the registry {self.database.shown} no longer holds the id {format_id(id)} as {state}"
                 )
+
+
+@contextmanager
+def _closed_where_it_fails(database: Database) -> Iterator[None]:
+    try:
+        yield
+    except BaseException:
+        database.close()
+        raise
 
 
 def _is_pending(connection: Connection, values: dict[str, object]) -> bool:

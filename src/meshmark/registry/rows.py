@@ -10,8 +10,8 @@ from sqlalchemy.dialects import postgresql, sqlite
 
 from meshmark.coding.message import format_id
 from meshmark.errors import InputError
+from meshmark.registry.database_tables import copies, originals
 from meshmark.registry.records import Copy, MarkedWith, Original
-from meshmark.registry.schema import copies, originals
 
 __all__ = ["copy_of", "copy_query", "copy_values", "original_of", "plain", "row_of", "same_copy"]
 

@@ -34,7 +34,7 @@ from meshmark.ownership.extraction_result import Extraction
 from meshmark.ownership.search.search import EFFORTS, Search
 from meshmark.ownership.search.strategies import Strategy
 from meshmark.ownership.search.trials import TrialCounter
-from meshmark.registry.candidates import Candidate, candidates
+from meshmark.registry.likely_originals import Candidate, candidates
 from meshmark.registry.registry import Registry
 from meshmark.scene.surfaces import surfaces_to_read
 from meshmark.threads import on_one_thread
