@@ -8,7 +8,7 @@ from math import log, log10
 import numpy as np
 
 from meshmark.coding.codec import CHECK_WORD_LIMIT, Codec
-from meshmark.coding.polar import Bits
+from meshmark.coding.word_list import WordList
 from meshmark.mesh import FloatArray
 from meshmark.ownership.carriers.reading import Reading
 from meshmark.ownership.parameters import CREDIBLE_LOG10, PRESENT_LOG10, PROVEN_LOG10
@@ -48,10 +48,10 @@ class Found:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Listed:
-    """Issued ids among which that of a copy is looked for, and their code words (m, n)."""
+    """Issued ids among which that of a copy is looked for, and their code words."""
 
     ids: tuple[int, ...]
-    words: Bits
+    words: WordList
 
 
 def decoded(codec: Codec, reading: Reading, listed: Listed) -> Found | None:
