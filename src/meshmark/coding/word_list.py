@@ -31,7 +31,7 @@ class WordList:
     packed: NDArray[np.uint8]
 
     def __len__(self) -> int:
-        return self.packed.shape[1]
+        return int(self.packed.shape[1])
 
     def bits(self) -> Bits:
         """Return the words (m, n), a bit each."""

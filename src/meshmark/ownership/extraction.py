@@ -111,7 +111,7 @@ def find(search: Search, chosen: Callable[[Strategy], bool] | None = None) -> Fo
                 best = _better(best, reading)
                 limit = strategy.decode_below
                 if (limit is None or reading.log10_chance <= limit) and (
-                    found := decoded(codec, reading, listed)
+                    found := decoded(codec, reading, listed, search.trials.charge_decoding())
                 ):
                     return found
     except OutOfTimeError:
