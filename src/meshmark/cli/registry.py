@@ -7,6 +7,7 @@ from collections.abc import Callable
 import typer
 
 from meshmark.cli.registry_exchange import export_registry, import_registry
+from meshmark.cli.registry_issue import issue_copies
 from meshmark.cli.registry_rows import init_registry, list_registry, show_copy
 
 __all__ = ["REGISTRY_COMMANDS", "registry"]
@@ -15,6 +16,7 @@ REGISTRY_COMMANDS: dict[str, Callable[..., int]] = {
     "init": init_registry,
     "list": list_registry,
     "show": show_copy,
+    "issue": issue_copies,
     "import": import_registry,
     "export": export_registry,
 }

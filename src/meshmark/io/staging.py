@@ -23,7 +23,11 @@ from typing import Self
 from meshmark.coding.keys import is_key_file
 from meshmark.errors import InputError, OutputError
 
-__all__ = ["Staging", "refuse_place"]
+__all__ = ["TEMPORARY", "Staging", "refuse_place"]
+
+_PREFIX, _SUFFIX = ".meshmark.", ".tmp"
+TEMPORARY = f"{_PREFIX}*{_SUFFIX}"
+"""Names of the folders of files that are not yet in their places; one stays behind where a process is killed."""
 
 
 class Staging:
@@ -102,7 +106,7 @@ class Staging:
         """
         if home not in self._folders:
             try:
-                made = tempfile.mkdtemp(prefix=".meshmark.", suffix=".tmp", dir=home)
+                made = tempfile.mkdtemp(prefix=_PREFIX, suffix=_SUFFIX, dir=home)
             except OSError as error:
                 raise _failure(home, error) from None
             self._folders[home] = Path(made)

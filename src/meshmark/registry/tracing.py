@@ -83,6 +83,17 @@ class Trace:
     matches: tuple[Match, ...]
     seconds: float
 
+    def to_dict(self) -> dict[str, Any]:
+        """Return the JSON fields."""
+        return {
+            "matches": [each.to_dict() for each in self.matches],
+            "presence": self.extraction.presence,
+            "ids": [format_id(each) for each in self.extraction.ids],
+            "candidates": [each.name for each in self.candidates],
+            "advice": self.extraction.advice,
+            "seconds": self.seconds,
+        }
+
 
 @on_one_thread
 def trace(
