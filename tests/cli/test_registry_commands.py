@@ -14,9 +14,11 @@ from json_object import only_object
 from refusals import assert_refused, snapshot
 
 import meshmark as mm
+from meshmark.marking import marked_file
 from meshmark.registry.registry import Registry
 from tests.counting import some
 from tests.keys import IDENTITY, KEY
+from tests.registry.quick_embedding import embed_at_once
 from tests.shapes import pebble
 
 pytestmark = pytest.mark.usefixtures("short_search")
@@ -28,7 +30,7 @@ ANN, BOB = "1" * 16, IDENTITY
 
 @pytest.fixture(scope="module")
 def issued(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder that tests copy: a model, a key, two copies, and the registry that says whose they are."""
+    """A folder that tests copy: a model, a key, a registry, Ann's copy, which is none, and Bob's."""
     from meshmark.cli.main import main
 
     folder = tmp_path_factory.mktemp("issued")
@@ -36,7 +38,9 @@ def issued(tmp_path_factory: pytest.TempPathFactory) -> Path:
     KEY.save(folder / "my.key")
     with contextlib.chdir(folder):
         assert main(["registry", "init", "--registry", "issued.db"]) == 0
-        assert main([*EMBED, "ann.ply", "--to", "Ann", "--id", ANN]) == 0
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(marked_file, "embed_file", embed_at_once)
+            assert main([*EMBED, "ann.ply", "--to", "Ann", "--id", ANN]) == 0
         assert main([*EMBED, "bob.ply", "--to", "Bob", "--id", BOB]) == 0
     return folder
 
@@ -55,7 +59,12 @@ def records(cli, *options: object) -> list[dict]:
     return only_object(cli("registry", "list", "--registry", "issued.db", "--json", *options).out)["records"]
 
 
-def test_a_copy_is_entered_with_what_was_made_of_it(cli, place, issued):
+@pytest.fixture
+def quick(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(marked_file, "embed_file", embed_at_once)
+
+
+def test_a_copy_is_entered_with_what_was_made_of_it(cli, place, issued, quick):
     told = only_object(cli(*EMBED, "carl.ply", "--to", "Carl", "--json").out)
     assert (told["recipient"], told["outputs"]) == ("Carl", {"model": "carl.ply"})
     first, second, third = records(cli)
@@ -71,25 +80,20 @@ def test_a_leaked_copy_names_its_recipient(cli, place):
     ran = cli("extract", "bob.ply", "--key", "my.key", "--registry", "issued.db", "--json")
     found = only_object(ran.out)
     assert (ran.code, found["id"], found["recipient"], found["mode"]) == (0, BOB, "Bob", "registry")
-    assert "issued to Ann" in cli("extract", "ann.ply", "--key", "my.key", "--registry", "issued.db").out
+    assert "issued to Bob" in cli("extract", "bob.ply", "--key", "my.key", "--registry", "issued.db").out
 
 
 def test_a_variable_stands_in_for_the_option(cli, place, monkeypatch):
     monkeypatch.setenv("MESHMARK_REGISTRY", f"sqlite:///{place}/issued.db")
-    assert only_object(cli("extract", "ann.ply", "--key", "my.key", "--json").out)["recipient"] == "Ann"
+    assert only_object(cli("extract", "bob.ply", "--key", "my.key", "--json").out)["recipient"] == "Bob"
     assert "Ann" in cli("registry", "list").out
-
-
-def test_an_unmarked_model_has_no_recipient(cli, place):
-    ran = cli("extract", "in.ply", "--key", "my.key", "--registry", "issued.db", "--json")
-    assert (ran.code, only_object(ran.out)["recipient"]) == (1, None)
 
 
 def test_an_id_that_is_not_in_the_registry_is_said_to_be_none_of_it(cli, place):
     assert cli("registry", "init", "--registry", "empty.db").code == 0
-    ran = cli("extract", "ann.ply", "--key", "my.key", "--registry", "empty.db", "--json")
+    ran = cli("extract", "bob.ply", "--key", "my.key", "--registry", "empty.db", "--json")
     found = only_object(ran.out)
-    assert (ran.code, found["id"], found["recipient"]) == (0, ANN, None)
+    assert (ran.code, found["id"], found["recipient"]) == (0, BOB, None)
     assert "no copy with this id" in found["advice"]
 
 
@@ -112,7 +116,7 @@ def test_what_is_refused_leaves_no_row(cli, place):
     assert {name: digest for name, digest in snapshot(place).items() if name.endswith(".ply")} == models
 
 
-def test_a_disk_that_fails_in_the_last_moment_leaves_no_row(cli, place, monkeypatch):
+def test_a_disk_that_fails_in_the_last_moment_leaves_no_row(cli, place, quick, monkeypatch):
     import os
 
     def link(*_: object, **__: object) -> None:
@@ -211,3 +215,53 @@ def test_an_import_of_an_id_that_is_taken_changes_nothing(cli, place):
     assert (ran.code, ran.out) == (2, "")
     assert f"the id {IDENTITY} is in the registry already as another copy" in ran.err
     assert len(records(cli)) == 2
+
+
+def test_trace_names_the_recipient_of_each_suspect(cli, place):
+    shutil.copy("bob.ply", "found.ply")
+    line = ("trace", "bob.ply", "found.ply", "--key", "my.key", "--registry", "issued.db")
+    ran = cli(*line)
+    assert ran.code == 0
+    assert (
+        f"bob.ply is the copy of Bob: id {BOB}, made of in.ply, read with the key alone; chance of" in ran.out
+    )
+    assert "found.ply is the copy of Bob" in ran.out
+    told = only_object(cli(*line, "--json").out)
+    assert [each["suspect"] for each in told["traces"]] == ["bob.ply", "found.ply"]
+    assert told["input"] == ["bob.ply", "found.ply"]
+
+
+def test_trace_of_one_suspect_tells_of_it_at_the_top_as_well(cli, place):
+    told = only_object(cli("trace", "bob.ply", "--key", "my.key", "--registry", "issued.db", "--json").out)
+    assert told.keys() >= {"suspect", "matches", "seconds"}
+    (match,) = told["matches"]
+    assert match.keys() == {"recipient", "id", "original", "log10_false_accusation", "method", "share"}
+    assert (match["recipient"], match["id"], match["original"]) == ("Bob", BOB, "in.ply")
+    assert match["log10_false_accusation"] < -6
+
+
+def test_trace_exits_with_1_where_a_suspect_names_nobody(cli, place):
+    assert cli("registry", "init", "--registry", "empty.db").code == 0
+    ran = cli("trace", "bob.ply", "--key", "my.key", "--registry", "empty.db")
+    assert ran.code == 1
+    assert ran.out.startswith("bob.ply names no recipient. The mark was read.")
+
+
+def test_issue_makes_copies_in_several_processes(cli, place):
+    (place / "people.csv").write_text("recipient\nCarl\nDora\n")
+    line = ("registry", "issue", "in.ply", "--to", "people.csv", "--out", "out", "--key", "my.key")
+    line = (*line, "--registry", "issued.db", "--layers", "ownership", "--workers", "2", "--json")
+    ran = cli(*line)
+    told = only_object(ran.out)
+    assert (ran.code, [each["recipient"] for each in told["issued"]]) == (0, ["Carl", "Dora"])
+    assert [Path(each["path"]).name for each in told["issued"]] == ["carl.ply", "dora.ply"]
+    listed = records(cli)
+    assert {each["id"] for each in told["issued"]} == {each["id"] for each in listed[2:]}
+    ran = cli(*line)
+    assert ran.code == 2
+    assert (
+        "carl.ply is in the registry already, as a copy for Carl; expected another folder, or --resume"
+        in ran.err
+    )
+    again = only_object(cli(*line, "--resume", "--workers", "1").out)
+    assert again["issued"] == told["issued"]

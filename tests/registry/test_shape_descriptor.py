@@ -33,7 +33,7 @@ def known() -> tuple[list[Mesh], np.ndarray]:
 
 def place_of(row: int, suspect: Mesh, matrix: np.ndarray) -> int:
     """Return how many shapes are likelier to be the whole of a suspect than that of a row."""
-    scores = containment(matrix, described_at_sizes(surface_of(suspect)))
+    scores, _ = containment(matrix, described_at_sizes(surface_of(suspect)))
     assert ((scores >= 0.0) & (scores <= 1.0 + 1e-6)).all()
     return int((scores > scores[row]).sum())
 
@@ -76,10 +76,12 @@ def test_what_was_done_to_a_copy_does_not_hide_its_original(known, attack, stren
 def test_shapes_that_are_not_known_come_last(known):
     meshes, _ = known
     matrix = matrix_of([None, b"short", bytes([9]) + bytes(WORDS + 4), described(surface_of(meshes[3]))])
-    scores = containment(matrix, described_at_sizes(surface_of(meshes[3])))
+    scores, sizes = containment(matrix, described_at_sizes(surface_of(meshes[3])))
     assert (scores[:3] == 0.0).all()
     assert scores[3] > 0.9
+    assert sizes[3] == 1.0
 
 
 def test_a_registry_without_shapes_has_no_candidates():
-    assert containment(matrix_of([]), np.ones((2, WORDS))).shape == (0,)
+    scores, sizes = containment(matrix_of([]), np.ones((2, WORDS)))
+    assert scores.shape == sizes.shape == (0,)

@@ -17,11 +17,15 @@ MOST_CANDIDATES: Final = 10
 
 @dataclass(frozen=True, kw_only=True)
 class Candidate:
-    """An original that a suspect may be a copy of. digest: its own; likeness: 0 to 1, 1 for the same shape."""
+    """An original that a suspect may be a copy of.
+
+    digest: its own; likeness: 0 to 1, 1 for the same shape; size: its size over the suspect's, about.
+    """
 
     digest: str
     name: str
     likeness: float
+    size: float
 
 
 def candidates(
@@ -49,9 +53,10 @@ def candidates(
         The registry cannot be read.
     """
     known = registry.shapes(key)
-    scores = containment(matrix_of([descriptor for _, _, descriptor in known]), described_at_sizes(suspect))
+    shapes = matrix_of([descriptor for _, _, descriptor in known])
+    scores, sizes = containment(shapes, described_at_sizes(suspect))
     found = [
-        Candidate(digest=digest, name=name, likeness=float(score))
-        for (digest, name, _), score in zip(known, scores, strict=True)
+        Candidate(digest=digest, name=name, likeness=float(score), size=float(size))
+        for (digest, name, _), score, size in zip(known, scores, sizes, strict=True)
     ]
     return sorted(found, key=lambda each: -each.likeness)[:most]

@@ -30,7 +30,7 @@ from meshmark.registry.shape_words import DEVIATIONS, MEANS, WORDS, words
 
 SingleArray = NDArray[np.float32]
 
-__all__ = ["containment", "described", "described_at_sizes", "matrix_of"]
+__all__ = ["RATIO", "containment", "described", "described_at_sizes", "matrix_of"]
 
 PLACES: Final = 3000
 """Places that stand for the surface; `CENTRES` of them, about, have balls around them."""
@@ -90,20 +90,23 @@ def matrix_of(descriptors: Sequence[bytes | None]) -> SingleArray:
     return np.asarray(rows[:, _HEADER.itemsize :] * units, np.float32)
 
 
-def containment(known: SingleArray, suspect: FloatArray) -> FloatArray:
-    """Return how much of a suspect is contained in each of n shapes, (n,) from 0 to 1.
+def containment(known: SingleArray, suspect: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return how much of a suspect is contained in each of n shapes, and how much larger the shape then is.
 
     known: (n, `WORDS`) as `matrix_of` returns it; suspect: (s, `WORDS`), of which the row that fits best counts.
+    Returns (n,) from 0 to 1, and (n,) sizes over the suspect's.
     """
     wanted = suspect.astype(np.float32)
-    of_part, best = wanted.sum(axis=1), np.zeros(len(known))
+    of_part, best, sizes = wanted.sum(axis=1), np.zeros(len(known)), np.ones(len(known))
     for start in range(0, len(known), _BLOCK):
         rows = known[start : start + _BLOCK]
         whole = rows.sum(axis=1)
         shared = np.stack([np.minimum(rows, one).sum(axis=1) for one in wanted])
         against = OF_PART * of_part[:, None] + (1.0 - OF_PART) * whole
-        best[start : start + _BLOCK] = np.where(whole > 0.0, shared / against, 0.0).max(axis=0)
-    return best
+        scores = np.where(whole > 0.0, shared / against, 0.0)
+        best[start : start + _BLOCK] = scores.max(axis=0)
+        sizes[start : start + _BLOCK] = RATIO ** np.array(SIZES, np.float64)[scores.argmax(axis=0)]
+    return best, sizes
 
 
 class _Pieces:

@@ -36,6 +36,7 @@ from meshmark.ownership.search.strategies import Strategy
 from meshmark.ownership.search.trials import TrialCounter
 from meshmark.registry.likely_originals import Candidate, candidates
 from meshmark.registry.registry import Registry
+from meshmark.registry.shape_descriptor import RATIO
 from meshmark.scene.surfaces import surfaces_to_read
 from meshmark.threads import on_one_thread
 
@@ -45,6 +46,10 @@ ACCUSED_LOG10: Final = -6.0
 """A recipient is named where the chance that an innocent one of the whole registry is lies below 10^this."""
 # Of the ways in which copies of one original are marked (steps, spacings), so many are tried.
 _WAYS = 3
+# Candidates that are registered: so many, and those about as likely as the first. The first is searched for at all
+# scales, the others about where their descriptors fit.
+_REGISTERED, _ALIKE = 4, 0.85
+_AROUND = (1.0, RATIO, 1.0 / RATIO)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -208,10 +213,15 @@ class _Known:
 
 def _further(blind: Search, known: _Known, search: str) -> Iterator[tuple[str, Found]]:
     """Yield what is found by the certificates of the candidates, then with damage undone, and by which method."""
-    for each in known.candidates:
+    for number, each in enumerate(known.candidates[:_REGISTERED]):
+        if each.likeness < _ALIKE * known.candidates[0].likeness:
+            break
+        scales = tuple(each.size * factor for factor in _AROUND) if number else ()
         for certificate in known.certificates(each.digest):
             refuse_edited(certificate, known.key)
-            by_it = replace(blind, reference=certificate, among=known.ids[each.digest], copies=())
+            by_it = replace(
+                blind, reference=certificate, scales=scales, among=known.ids[each.digest], copies=()
+            )
             yield "registered", find(by_it, _by_reference)
     if search != "plain":
         yield "blind", find(replace(blind, effort=search, copies=()), _undoing_damage)
