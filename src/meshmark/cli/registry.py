@@ -8,6 +8,7 @@ import typer
 
 from meshmark.cli.registry_exchange import export_registry, import_registry
 from meshmark.cli.registry_issue import issue_copies
+from meshmark.cli.registry_prove import prove_copy, verify_proof
 from meshmark.cli.registry_rows import init_registry, list_registry, show_copy
 
 __all__ = ["REGISTRY_COMMANDS", "registry"]
@@ -17,6 +18,8 @@ REGISTRY_COMMANDS: dict[str, Callable[..., int]] = {
     "list": list_registry,
     "show": show_copy,
     "issue": issue_copies,
+    "prove": prove_copy,
+    "verify": verify_proof,
     "import": import_registry,
     "export": export_registry,
 }
