@@ -61,7 +61,8 @@ def prove_copy(
         from meshmark.registry.proof import prove
 
         with naming(path):
-            proof = prove(rows[0], mesh, path, secret, opened, _pictures(path, rows[0]))
+            drawn = _pictures(path, rows[0])
+            proof = prove(rows[0], mesh, path, secret, registry=opened, pictures=drawn)
     if proof is None:
         refused = described({"confirmed": False, "id": identity.lower()}, path, key=secret)
         answer(f"{path} does not surely carry the id {identity.lower()}.", refused, as_json)
@@ -97,7 +98,6 @@ def verify_proof(
 
     Exit code 0: confirmed; 1: not.
     """
-    from meshmark.coding.chance import in_words
     from meshmark.coding.keys import Key
     from meshmark.registry.proof_check import check_proof
 
@@ -114,15 +114,7 @@ def verify_proof(
         "commitment": found.commitment,
         "log10_false_accusation": None if reading is None else reading.log10_chance,
     }
-    if statement is None or reading is None:
-        words = f"Not confirmed: {found.why_not}."
-    else:
-        words = (
-            f"Confirmed: the suspect is made of the copy {statement.id}, committed to for "
-            f"{statement.recipient or 'nobody in particular'} on {statement.issued_at}; chance that another model "
-            f"reads like this {in_words(reading.log10_chance)}. Commitment {found.commitment}."
-        )
-    answer(words, described(fields, folder, key=secret), as_json)
+    answer(found.sentence, described(fields, folder, key=secret), as_json)
     return 0 if found.confirmed else 1
 
 

@@ -56,7 +56,7 @@ class Proof:
 
 
 def prove(
-    copy: Copy, suspect: Mesh, path: Path, key: Key, registry: Registry, pictures: Mapping[str, bytes]
+    copy: Copy, suspect: Mesh, path: Path, key: Key, *, registry: Registry, pictures: Mapping[str, bytes]
 ) -> Proof | None:
     """Return the proof that a suspect is made of a copy; None where it does not surely carry its id.
 
@@ -77,7 +77,7 @@ def prove(
         **pictures,
         CLAIM: (json.dumps(claim, indent=1, ensure_ascii=True) + "\n").encode("ascii"),
         "proof.txt": _words(copy, opening, reading, path.name).encode("utf-8"),
-        "verify.py": (resources.files("meshmark.registry") / "verify_proof.py").read_bytes(),
+        "verify.py": (resources.files("meshmark.registry") / "verify.py").read_bytes(),
     }
     if text is not None:
         files[CERTIFICATE] = text.encode("utf-8")

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from meshmark.certificate.certificate import Certificate
+from meshmark.coding.chance import in_words
 from meshmark.coding.keys import Key
 from meshmark.coding.message import parse_id
 from meshmark.errors import InputError
@@ -33,6 +34,17 @@ class ProofCheck:
     def confirmed(self) -> bool:
         """Return whether all holds."""
         return self.why_not is None
+
+    @property
+    def sentence(self) -> str:
+        """Return the answer in words."""
+        if self.statement is None or self.reading is None:
+            return f"Not confirmed: {self.why_not}."
+        return (
+            f"Confirmed: the suspect is made of the copy {self.statement.id}, committed to for "
+            f"{self.statement.recipient or 'nobody in particular'} on {self.statement.issued_at}; chance that "
+            f"another model reads like this {in_words(self.reading.log10_chance)}. Commitment {self.commitment}."
+        )
 
 
 def check_proof(folder: Path, key: Key) -> ProofCheck:
