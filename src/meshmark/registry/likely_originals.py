@@ -5,9 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
+import numpy as np
+
 from meshmark.geometry.surface import Surface
 from meshmark.registry.registry import Registry
-from meshmark.registry.shape_descriptor import containment, described_at_sizes, matrix_of
+from meshmark.registry.shape_descriptor import containment, described_at_sizes, shapes_of
 
 __all__ = ["MOST_CANDIDATES", "Candidate", "candidates"]
 
@@ -53,10 +55,12 @@ def candidates(
         The registry cannot be read.
     """
     known = registry.shapes(key)
-    shapes = matrix_of([descriptor for _, _, descriptor in known])
-    scores, sizes = containment(shapes, described_at_sizes(suspect))
-    found = [
-        Candidate(digest=digest, name=name, likeness=float(score), size=float(size))
-        for (digest, name, _), score, size in zip(known, scores, sizes, strict=True)
+    scores, sizes = containment(
+        shapes_of([descriptor for _, _, descriptor in known]), described_at_sizes(suspect)
+    )
+    return [
+        Candidate(
+            digest=known[row][0], name=known[row][1], likeness=float(scores[row]), size=float(sizes[row])
+        )
+        for row in np.argsort(-scores, kind="stable")[:most]
     ]
-    return sorted(found, key=lambda each: -each.likeness)[:most]
