@@ -104,6 +104,7 @@ def find(search: Search, chosen: Callable[[Strategy], bool] | None = None) -> Fo
     codec = Codec(search.key)
     listed = Listed(ids=search.among, words=codec.words(search.among))
     best: Reading | None = None
+    unsure: Found | None = None
     stopped = False
     try:
         for strategy in STRATEGIES if chosen is None else filter(chosen, STRATEGIES):
@@ -113,9 +114,14 @@ def find(search: Search, chosen: Callable[[Strategy], bool] | None = None) -> Fo
                 if (limit is None or reading.log10_chance <= limit) and (
                     found := decoded(codec, reading, listed, search.trials.charge_decoding())
                 ):
-                    return found
+                    if search.sure is None or min(found.log10_words) <= search.sure:
+                        return found
+                    if unsure is None or min(found.log10_words) < min(unsure.log10_words):
+                        unsure = found
     except OutOfTimeError:
         stopped = True
+    if unsure is not None:
+        return unsure
     if best is None:
         return Found(reading=None, present=False, log10_false_positive=0.0, stopped=stopped)
     bound = lock_bound(best)

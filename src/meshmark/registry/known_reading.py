@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from meshmark.authentication.reported import marks_evidence
 from meshmark.certificate.binding import refuse_edited
@@ -44,6 +44,7 @@ def read_known(mesh: Mesh, key: Key, id: int, certificate: Certificate | None = 
         return KnownReading(log10_chance=marks.log10_false_positive, layer="authentication")
     surfaces = surfaces_to_read(mesh)
     search = Search(surface=next(surfaces), key=key, reference=certificate, copies=surfaces, among=(id,))
+    search = replace(search, sure=ACCUSED_LOG10)
     found = find(search)
     bounds = [bound for each, bound in zip(found.ids, found.log10_words, strict=True) if each == id]
     if not bounds or bounds[0] > ACCUSED_LOG10:

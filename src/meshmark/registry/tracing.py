@@ -146,18 +146,20 @@ def trace(
         effort="plain",
         copies=surfaces,
         among=known.every,
+        sure=ACCUSED_LOG10,
         trials=TrialCounter(time_limit),
     )
     found, method = find(blind), "blind"
     result, bounds = extraction_of(found, Codec(key), "registry", 0.0), found.log10_words
-    if not found.ids and not found.stopped:
-        result = with_marks(result, mesh, key)
-        if result.ids:
-            method, bounds = "authentication", (result.log10_false_positive,)
+    if not _is_sure(found) and not found.stopped:
+        marked = with_marks(replace(result, id=None, ids=()), mesh, key)
+        if marked.ids:
+            result, method, bounds = marked, "authentication", (marked.log10_false_positive,)
         else:
             for way, other in _further(blind, known, search):
-                found, method = _better(found, other), way
-                if found.ids or found.stopped:
+                if _tells_more(other, found):
+                    found, method = other, way
+                if _is_sure(other) or other.stopped:
                     break
             result, bounds = extraction_of(found, Codec(key), "registry", 0.0), found.log10_words
     matches = tuple(known.matches(result.ids, bounds, method))
@@ -222,8 +224,10 @@ def _further(blind: Search, known: _Known, search: str) -> Iterator[tuple[str, F
             by_it = replace(
                 blind, reference=certificate, scales=scales, among=known.ids[each.digest], copies=()
             )
+            blind.trials.begin_part()
             yield "registered", find(by_it, _by_reference)
     if search != "plain":
+        blind.trials.begin_part()
         yield "blind", find(replace(blind, effort=search, copies=()), _undoing_damage)
 
 
@@ -235,8 +239,14 @@ def _undoing_damage(strategy: Strategy) -> bool:
     return not strategy.by_reference
 
 
-def _better(one: Found, other: Found) -> Found:
-    """Return what tells more."""
-    if other.ids or (other.log10_false_positive < one.log10_false_positive and not one.ids):
-        return other
-    return replace(one, stopped=one.stopped or other.stopped)
+def _is_sure(found: Found) -> bool:
+    """Return whether somebody may be named."""
+    return bool(found.log10_words) and min(found.log10_words) <= ACCUSED_LOG10
+
+
+def _tells_more(one: Found, other: Found) -> bool:
+    """Return whether one says more than the other: surer ids, or a less likely lock."""
+    words = [min(each.log10_words, default=0.0) for each in (one, other)]
+    if one.ids or other.ids:
+        return words[0] < words[1]
+    return one.stopped or one.log10_false_positive < other.log10_false_positive

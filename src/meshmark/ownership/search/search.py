@@ -33,7 +33,8 @@ class Search:
     spacings: lattice spacings to read, None: all that an embedding may have chosen. reference: the certificate
     of the mark or the unmarked original. scales: of the reference over the suspect's, where they are known about.
     among: ids of which one may be there. label: of the
-    lattice; None: found from the shape. trials: numbers every reading of this search.
+    lattice; None: found from the shape. trials: numbers every reading of this search. sure: an id whose word is
+    less likely by chance than 10^this ends the search, others are kept for want of better; None: any id does.
     """
 
     surface: Surface
@@ -45,6 +46,7 @@ class Search:
     copies: Iterable[Surface] = ()
     among: tuple[int, ...] = ()
     label: Label | None = None
+    sure: float | None = None
     trials: TrialCounter = field(default_factory=TrialCounter)
 
     @property
