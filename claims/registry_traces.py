@@ -2,8 +2,8 @@
 
 python -m claims.registry_traces [--ids 10000] [--copies 3] [--least 2500] [--minutes M]
 
-Of each model in ../shared/data/models/test a few copies are made (standard strength) and entered; ids that
-nobody has are spread over all originals. One copy is damaged in each of several ways, then turned, scaled and moved;
+Of each model in ../shared/data/models/test a few copies are made (standard strength) and entered; ids that nobody
+has are spread over all originals. One copy is damaged in each of several ways, then turned, scaled and moved;
 copies are averaged, two and three, given 0.1 % of noise, and turned. Printed, by damage: suspects whose right
 recipients were named (of averages: one, and all), whose original was among the candidates, and that named a wrong
 one; processor time beyond that of `extract` without a registry.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import shutil
+import sys
 from hashlib import sha256
 from pathlib import Path
 
@@ -34,7 +35,7 @@ def issued(tmp_path_factory: pytest.TempPathFactory) -> Path:
     from meshmark.cli.main import main
 
     folder = tmp_path_factory.mktemp("issued")
-    mm.write_mesh(mm.Mesh(*pebble(48)), folder / "in.ply")
+    mm.write_mesh(mm.Mesh(*pebble(40)), folder / "in.ply")
     KEY.save(folder / "my.key")
     with contextlib.chdir(folder):
         assert main(["registry", "init", "--registry", "issued.db"]) == 0
@@ -159,6 +160,14 @@ def test_what_cannot_be_used_is_refused_in_one_sentence(cli, place, line, messag
     assert_refused(cli(*line.split(), "--json"), place, before)
 
 
+def test_without_its_libraries_a_registry_says_what_to_install(cli, place, monkeypatch):
+    monkeypatch.setitem(sys.modules, "sqlalchemy", None)
+    monkeypatch.delitem(sys.modules, "meshmark.registry.registry")
+    ran = cli("registry", "list", "--registry", "issued.db")
+    assert (ran.code, ran.out) == (2, "")
+    assert ran.err.endswith("get them with: pip install meshmark[registry]\n")
+
+
 def test_show_says_that_an_id_is_not_there(cli, place):
     ran = cli("registry", "show", "0" * 16, "--registry", "issued.db")
     assert (ran.code, ran.out) == (1, f"The registry has no copy with the id {'0' * 16}.\n")
@@ -166,8 +175,10 @@ def test_show_says_that_an_id_is_not_there(cli, place):
 
 @pytest.mark.parametrize("extension", ["csv", "jsonl"])
 def test_an_export_is_imported_as_it_was(cli, place, extension):
-    for name in ('Ann, "the\nfirst"', "Zoë"):
-        assert cli(*EMBED, f"{len(name)}.ply", "--to", name).code == 0
+    with Registry.open("issued.db") as registry:
+        (original,) = registry.originals()
+        for name in ('Ann, "the\nfirst"', "Zoë"):
+            registry.reserve(original, KEY.fingerprint, recipient=name)
     out = f"out.{extension}"
     assert cli("registry", "export", out, "--registry", "issued.db").code == 0
     assert "exists already" in cli("registry", "export", out, "--registry", "issued.db").err
@@ -249,8 +260,30 @@ def test_trace_exits_with_1_where_a_suspect_names_nobody(cli, place):
 
 def test_issue_makes_copies_in_several_processes(cli, place):
     (place / "people.csv").write_text("recipient\nCarl\nDora\n")
-    line = ("registry", "issue", "in.ply", "--to", "people.csv", "--out", "out", "--key", "my.key")
-    line = (*line, "--registry", "issued.db", "--layers", "ownership", "--workers", "2", "--json")
+    mm.write_mesh(mm.Mesh(*pebble(32)), "small.ply")
+    line = (
+        "registry",
+        "issue",
+        "small.ply",
+        "--to",
+        "people.csv",
+        "--out",
+        "out",
+        "--key",
+        "my.key",
+        "--json",
+    )
+    line = (
+        *line,
+        "--registry",
+        "issued.db",
+        "--layers",
+        "authentication",
+        "--payload",
+        "none",
+        "--workers",
+        "2",
+    )
     ran = cli(*line)
     told = only_object(ran.out)
     assert (ran.code, [each["recipient"] for each in told["issued"]]) == (0, ["Carl", "Dora"])

@@ -9,6 +9,7 @@ import sys
 from hashlib import sha256
 from pathlib import Path
 
+import numpy as np
 import pytest
 from json_object import only_object
 from refusals import assert_refused, snapshot
@@ -30,7 +31,7 @@ def proven(tmp_path_factory: pytest.TempPathFactory) -> Path:
     from meshmark.cli.main import main
 
     folder = tmp_path_factory.mktemp("proven")
-    mm.write_mesh(mm.Mesh(*pebble(48)), folder / "in.ply")
+    mm.write_mesh(mm.Mesh(*pebble(40)), folder / "in.ply")
     PROJECT.save(folder / "project.key")
     with contextlib.chdir(folder):
         key = ["--key", "project.key", "--registry", "r.db"]
@@ -114,7 +115,7 @@ def test_a_file_more_or_less_or_another_key_is_not_confirmed(cli, place):
 
 def test_nothing_is_proven_of_a_model_that_does_not_carry_the_id(cli, place):
     Path("hidden.db").rename("r.db")
-    mm.write_mesh(mm.Mesh(*pebble(24)), "other.ply")
+    mm.write_mesh(mm.Mesh(np.eye(4, 3), [[0, 1, 2], [0, 1, 3]]), "other.ply")
     before = snapshot(place)
     line = ("registry", "prove", IDENTITY, "--key", "project.key", "--registry", "r.db", "--out", "new")
     ran = cli(*line, "--suspect", "other.ply")

@@ -12,7 +12,7 @@ __all__ = ["embed_at_once"]
 
 def embed_at_once(_mesh, out, _key, *, id, staging, **_options) -> Embedding:
     staging.put(out, f"a copy with the id {id:x}".encode())
-    made = marked_pebble(48, layers="ownership")
+    made = marked_pebble(40, layers="ownership")
     result = replace(made, id=id)
     result.__dict__["certificate"] = made.certificate
     return result

@@ -129,7 +129,7 @@ def test_a_registry_is_made_once_and_what_it_holds_stays(registry, place):
         assert len(again.copies()) == 1
 
 
-WRITERS, COPIES, KILLS = 8, 12, 3
+WRITERS, COPIES, KILLS = 8, 8, 2
 # Processes that share nothing but the registry; they are forked, as importing takes longer than all they do.
 WRITER = """
 import os, sys

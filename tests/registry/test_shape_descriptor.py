@@ -20,10 +20,10 @@ from tests.shapes import hoop, pebble
 
 
 def shapes() -> list[Mesh]:
-    """Return twenty shapes that differ: a pebble with other bumps each, and a ring."""
+    """Return twelve shapes that differ: a pebble with other bumps each, and a ring."""
     points, faces = pebble(40)
     made = []
-    for seed in range(19):
+    for seed in range(11):
         rng = np.random.default_rng(seed)
         waves, phases = rng.normal(scale=2.0, size=(6, 3)), rng.uniform(0.0, 6.0, 6)
         bumps = 1.0 + 0.12 * np.sin(points @ waves.T + phases).sum(axis=1)
@@ -49,7 +49,7 @@ def test_a_descriptor_is_short_and_always_the_same(known):
     first = described(surface_of(meshes[0]))
     assert len(first) == WORDS + 5
     assert first == described(surface_of(Mesh(meshes[0].vertices, meshes[0].faces)))
-    assert matrix.areas.shape == (20, WORDS)
+    assert matrix.areas.shape == (12, WORDS)
     assert matrix.areas.max(axis=1).min() == 255
 
 
@@ -73,7 +73,7 @@ def test_the_words_are_the_same_on_every_machine():
 )  # fmt: skip
 def test_what_was_done_to_a_copy_does_not_hide_its_original(known, attack, strength, most):
     meshes, matrix = known
-    for row in (0, 13):
+    for row in (0, 7):
         rng = np.random.default_rng(row)
         suspect = ATTACKS["similarity"](ATTACKS[attack](meshes[row], strength, rng), 1, rng)
         assert place_of(row, suspect, matrix) <= most

@@ -6,15 +6,17 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from meshmark.errors import InputError
+from meshmark.errors import InputError, RegistryError
 
 if TYPE_CHECKING:
     from meshmark.registry.registry import Registry
 
-__all__ = ["REGISTRY_VARIABLE", "RegistryIn", "named_registry", "open_registry"]
+__all__ = ["REGISTRY_VARIABLE", "RegistryIn", "named_registry", "open_registry", "registry_class"]
 
 REGISTRY_VARIABLE = "MESHMARK_REGISTRY"
 """Environment variable that stands in for the option."""
+LIBRARIES = ("sqlalchemy", "alembic")
+"""Of the extra `registry`."""
 _HELP = "Registry of copies: the path of an SQLite file, or postgresql://USER:PASSWORD@HOST/NAME."
 _OPTION = typer.Option("--registry", metavar="URL", envvar=REGISTRY_VARIABLE, help=_HELP)
 RegistryIn = Annotated[str | None, _OPTION]
@@ -32,7 +34,17 @@ def open_registry(url: str | None) -> Registry:
 
     Raises `InputError` where it is not named, and `RegistryError` where it cannot be opened.
     """
-    place = named_registry(url)
-    from meshmark.registry.registry import Registry
+    return registry_class().open(named_registry(url))
 
-    return Registry.open(place)
+
+def registry_class() -> type[Registry]:
+    """Return the class `Registry`; raises `RegistryError` where the libraries of the extra are not installed."""
+    try:
+        from meshmark.registry.registry import Registry
+    except ModuleNotFoundError as error:
+        if str(error.name).partition(".")[0] not in LIBRARIES:
+            raise
+        raise RegistryError(
+            "a registry needs the libraries SQLAlchemy and alembic, get them with: pip install meshmark[registry]"
+        ) from None
+    return Registry

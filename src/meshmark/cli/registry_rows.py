@@ -8,7 +8,7 @@ import typer
 
 from meshmark.cli.options import AsJson
 from meshmark.cli.output import answer, described, plural
-from meshmark.cli.registry_option import RegistryIn, named_registry, open_registry
+from meshmark.cli.registry_option import RegistryIn, named_registry, open_registry, registry_class
 
 if TYPE_CHECKING:
     from meshmark.registry.records import Copy
@@ -23,9 +23,7 @@ def init_registry(*, registry: RegistryIn = None, as_json: AsJson = False) -> in
 
     What is in it stays. Of an SQLite file the folder must exist; of PostgreSQL the database must.
     """
-    from meshmark.registry.registry import Registry
-
-    opened, changed = Registry.create(named_registry(registry))
+    opened, changed = registry_class().create(named_registry(registry))
     with opened:
         place = opened.database.shown
     words = f"Registry ready: {place}." if changed else f"The registry {place} was there and up to date."

@@ -16,7 +16,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from importlib import resources
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from meshmark import __version__
 from meshmark.certificate.certificate import Certificate
@@ -29,10 +29,12 @@ from meshmark.io import input_files
 from meshmark.mesh import Mesh
 from meshmark.registry.commitment import Opening, Statement, key_check, opening_of
 from meshmark.registry.known_reading import KnownReading, read_known
-from meshmark.registry.records import Copy
-from meshmark.registry.registry import Registry
 from meshmark.registry.sealed_folder import sealed_files
 from meshmark.registry.times import now
+
+if TYPE_CHECKING:
+    from meshmark.registry.records import Copy
+    from meshmark.registry.registry import Registry
 
 __all__ = ["CERTIFICATE", "CLAIM", "SUSPECT", "Proof", "prove"]
 

@@ -15,7 +15,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from time import perf_counter
-from typing import Any, Final
+from typing import Any
 
 from meshmark.authentication.reported import with_marks
 from meshmark.certificate.binding import refuse_edited
@@ -34,16 +34,15 @@ from meshmark.ownership.extraction_result import Extraction
 from meshmark.ownership.search.search import EFFORTS, Search
 from meshmark.ownership.search.strategies import Strategy
 from meshmark.ownership.search.trials import TrialCounter
+from meshmark.registry.known_reading import ACCUSED_LOG10
 from meshmark.registry.likely_originals import Candidate, candidates
 from meshmark.registry.registry import Registry
 from meshmark.registry.shape_descriptor import RATIO
 from meshmark.scene.surfaces import surfaces_to_read
 from meshmark.threads import on_one_thread
 
-__all__ = ["ACCUSED_LOG10", "Match", "Trace", "trace"]
+__all__ = ["Match", "Trace", "trace"]
 
-ACCUSED_LOG10: Final = -6.0
-"""A recipient is named where the chance that an innocent one of the whole registry is lies below 10^this."""
 # Of the ways in which copies of one original are marked (steps, spacings), so many are tried.
 _WAYS = 3
 # Candidates that are registered: so many, and those about as likely as the first. The first is searched for at all
