@@ -4,8 +4,8 @@ python -m claims.registry_scale [--rows 100000] [--kills 50] [--sqlite-only]
 
 On SQLite, and on a PostgreSQL server of its own where Debian's programs are installed:
 
-- seconds of looking up a copy by its id (at most 0.05) and of finding the likely originals of a suspect by its shape
-  (at most 2), of as many originals as copies, the largest of a few;
+- seconds of looking up a copy by its id (at most 0.05) and of finding the likely originals of a suspect by its
+  shape (at most 2), of as many originals as copies, the largest of a few;
 - rows lost or double after eight processes wrote 500 copies each (none);
 - acknowledged rows lost after so many rounds in which two writers were killed at random moments (none).
 
@@ -176,9 +176,9 @@ def main() -> int:
             wrong = together(place("writers"))
             told, lost = killed(place("kills"), arguments.kills)
             print(
-                f"{kind}, {arguments.rows:,} copies: by id {1e3 * by_id:.1f} ms (at most {1e3 * BY_ID:.0f}), by shape "
-                f"{by_shape:.2f} s (at most {BY_SHAPE:g}); {WRITERS} writers of {EACH}: {wrong} rows lost or double; "
-                f"{arguments.kills} kills: {lost} of {told:,} acknowledged rows lost",
+                f"{kind}, {arguments.rows:,} copies: by id {1e3 * by_id:.1f} ms (at most {1e3 * BY_ID:.0f}), by "
+                f"shape {by_shape:.2f} s (at most {BY_SHAPE:g}); {WRITERS} writers of {EACH}: {wrong} rows lost or "
+                f"double; {arguments.kills} kills: {lost} of {told:,} acknowledged rows lost",
                 flush=True,
             )
             missed |= by_id > BY_ID or by_shape > BY_SHAPE or wrong > 0 or lost > 0

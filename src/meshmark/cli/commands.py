@@ -27,7 +27,7 @@ COMMANDS: dict[str, str] = {
     "authenticate": "Say whether, and where, a model was changed since marking.",
     "recover": "Bring back what was altered in a marked model.",
     "unmark": "Take a mark off again, with the key and the certificate.",
-    "trace": "Say whose copy a model is, by the registry of what was issued.",
+    "trace": "Say whose copy a model is, by the registry of copies.",
     "registry": "Keep who got which copy.",
     "attack": "Simulate common edits and attacks.",
     "compare": "Measure how far apart two models are.",

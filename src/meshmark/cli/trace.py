@@ -40,7 +40,7 @@ def trace(
     force: ForceKey = False,
     as_json: AsJson = False,
 ) -> int:
-    """Say whose copy a model is, by the registry of what was issued.
+    """Say whose copy a model is, by the registry of copies.
 
     Neither the original nor the certificate need be told: originals of which the suspect may be a part are looked
     up by their shape. Of an average of copies all are named that can be. A recipient is named only where the chance
