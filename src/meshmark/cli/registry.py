@@ -27,7 +27,9 @@ REGISTRY_COMMANDS: dict[str, Callable[..., int]] = {
 
 registry = typer.Typer(
     name="registry",
-    help="Keep who got which copy: a database of originals and of the marked copies that were made of them.",
+    help="Keep who got which copy.\n\n"
+    "A registry is a database of originals and of the marked copies that were made of them: an SQLite file, or "
+    "PostgreSQL. It never holds a key.",
     add_completion=False,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
