@@ -22,7 +22,7 @@ SOURCES = sorted(ROOT.rglob("*.py"))
 LAYERS = (
     "errors", "late", "data", "arrays", "document", "mesh", "threads", "strengths", "coding", "geometry", "io",
     "scene", "saliency", "segmentation", "network", "certificate", "ownership", "recovery", "authentication",
-    "marking", "attacks", "metrics", "report", "cli", "", "__main__", "research",
+    "marking", "registry", "attacks", "metrics", "report", "cli", "", "__main__", "research",
 )  # fmt: skip
 # The same of the folders within a folder.
 INSIDE = {

@@ -100,6 +100,21 @@ def test_the_tour_prints_what_the_readme_shows(short_search, drafts, tmp_path, m
         assert numbers(printed) == [about(number) for number in numbers(shown)], command
 
 
+def test_the_story_of_a_leak_prints_what_the_readme_shows(short_search, tmp_path, monkeypatch):
+    """On a pebble, which is marked in a fraction of the time: numbers and ids are others."""
+    tool = tool_of("readme_tour")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("MESHMARK_REGISTRY", raising=False)
+    (tmp_path / "customers.csv").write_text("recipient\nAnn\nBob\n")
+    mm.Key(bytes(32)).save("my.key")
+    story = tool.sessions()[1].replace("hare.ply", "pebble.ply")
+    mm.write_mesh(mm.Mesh(*pebble(60)), "pebble.ply")
+    masked = re.compile(rf"{NUMBER.pattern}|\b[0-9a-f]{{16}}\b|read .*;")
+    for command, shown, code, printed in some(tool.commands(story), least=4):
+        assert code == 0, command
+        assert masked.sub("#", printed) == masked.sub("#", shown), command
+
+
 @pytest.mark.parametrize(
     ("shown", "printed", "same"),
     [

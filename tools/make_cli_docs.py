@@ -7,7 +7,7 @@ import io
 import os
 from pathlib import Path
 
-from meshmark.cli.commands import COMMANDS
+from meshmark.cli.commands import COMMANDS, GROUPS, find_group
 from meshmark.cli.main import main
 
 HOME = Path(__file__).resolve().parents[1] / "docs" / "cli.md"
@@ -37,7 +37,10 @@ def help_of(*words: str) -> str:
 def pages() -> str:
     """Return the whole page."""
     parts = [f"## meshmark\n\n```\n{help_of()}\n```\n"]
-    parts += [f"## meshmark {name}\n\n```\n{help_of(name)}\n```\n" for name in COMMANDS]
+    for name in COMMANDS:
+        parts.append(f"## meshmark {name}\n\n```\n{help_of(name)}\n```\n")
+        for inner in find_group(name).registered_commands if name in GROUPS else ():
+            parts.append(f"### meshmark {name} {inner.name}\n\n```\n{help_of(name, str(inner.name))}\n```\n")
     return "\n".join([INTRODUCTION, *parts])
 
 

@@ -25,14 +25,24 @@ SESSION = re.compile(r"```console\n(.*?)```", re.DOTALL)
 COMMAND = re.compile(r"^\$ meshmark (.*)\n((?:(?!\$).*\n)*)", re.MULTILINE)
 
 
+def sessions() -> list[str]:
+    """Return the console sessions of the page: the tour, and the story of a leak."""
+    return SESSION.findall(README.read_text(encoding="utf-8"))
+
+
 def session() -> str:
-    """Return the first console session of the page."""
-    return SESSION.findall(README.read_text(encoding="utf-8"))[0]
+    """Return the tour."""
+    return sessions()[0]
 
 
 def tour(text: str) -> Iterator[tuple[str, str, int, str]]:
-    """Yield each command of a session, what the page shows, its exit code and what it prints, in this folder."""
+    """Yield what `commands` does, in this folder, with the hare in it."""
     Path("hare.ply").write_bytes(hare_ply())
+    return commands(text)
+
+
+def commands(text: str) -> Iterator[tuple[str, str, int, str]]:
+    """Yield each command of a session, what the page shows, its exit code and what it prints, in this folder."""
     for command, shown in COMMAND.findall(text):
         out = io.StringIO()
         with contextlib.redirect_stdout(out):

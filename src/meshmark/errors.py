@@ -5,6 +5,7 @@ MeshmarkError            anything below; the command line prints its one sentenc
 │   ├── FormatError      a model file that breaks its format: says what, where, and what was expected
 │   └── KeyFileError     a key file that cannot be read as a meshmark key
 ├── OutputError          a result that cannot be written (existing file, no space, no permission)
+├── RegistryError        a registry that cannot be opened, read or written, or that refuses what is to go into it
 └── CapacityError        a model that cannot carry the mark asked for; carries advice, and exits with 4
 """
 
@@ -13,7 +14,15 @@ from __future__ import annotations
 import os
 from typing import ClassVar
 
-__all__ = ["CapacityError", "FormatError", "InputError", "KeyFileError", "MeshmarkError", "OutputError"]
+__all__ = [
+    "CapacityError",
+    "FormatError",
+    "InputError",
+    "KeyFileError",
+    "MeshmarkError",
+    "OutputError",
+    "RegistryError",
+]
 
 
 class MeshmarkError(Exception):
@@ -51,6 +60,12 @@ class OutputError(MeshmarkError, OSError):
     """A result that cannot be written."""
 
     kind = "output"
+
+
+class RegistryError(MeshmarkError):
+    """A registry that cannot be opened, read or written, or that refuses what is to go into it."""
+
+    kind = "registry"
 
 
 class CapacityError(MeshmarkError):

@@ -12,7 +12,7 @@ from json_object import only_object
 import meshmark as mm
 from tests.counting import some
 from tests.io.compressed_samples import draco_grid
-from tests.keys import IDENTITY
+from tests.keys import IDENTITY, KEY
 from tests.shapes import pebble
 
 EMBED = {
@@ -27,6 +27,28 @@ def test_keygen_makes_a_private_key_and_never_shows_it(cli, tmp_path):
     assert ran.code == 0
     assert stat.S_IMODE((tmp_path / "a.key").stat().st_mode) == 0o600
     assert not any(word in ran.out + ran.err for word in some(re.findall(r"[0-9a-f]{16,}", secret)))
+
+
+def test_keygen_derives_the_same_key_from_a_master_and_a_label(cli, tmp_path):
+    KEY.save(tmp_path / "master.key")
+    line = ("--from", tmp_path / "master.key", "--label")
+    told = [
+        only_object(cli("keygen", tmp_path / f"{number}.key", *line, label, "--json").out)
+        for number, label in enumerate(("hare 2026", "hare 2026", "horse"))
+    ]
+    assert told[0]["key"] == told[1]["key"] != told[2]["key"]
+    assert mm.Key.load(tmp_path / "0.key") == KEY.derived("hare 2026")
+    assert stat.S_IMODE((tmp_path / "0.key").stat().st_mode) == 0o600
+    for wrong, message in (
+        (("--from", tmp_path / "master.key"), "--from and --label belong together"),
+        (("--label", "hare"), "--from and --label belong together"),
+        ((*line, ""), "a derived key needs a label"),
+        (("--from", tmp_path / "no.key", "--label", "hare"), "cannot read the key file"),
+    ):
+        ran = cli("keygen", tmp_path / "new.key", *wrong)
+        assert ran.code == 2
+        assert message in ran.err
+    assert not (tmp_path / "new.key").exists()
 
 
 def test_keygen_never_overwrites(cli, tmp_path):

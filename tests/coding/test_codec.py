@@ -148,8 +148,14 @@ def test_a_longer_list_asks_for_as_much_more() -> None:
 
 
 def test_words_are_the_code_bits_of_ids() -> None:
-    assert np.array_equal(CODEC.words([1, 2]), [CODEC.encode(1), CODEC.encode(2)])
-    assert CODEC.words([]).shape == (0, CODEC.n)
+    rng = np.random.default_rng(5)
+    for count in (2, 500):  # each on its own, and by tables
+        ids = [2**64 - 1, *(int(each) for each in rng.integers(2**63, size=count - 1))]
+        words, llr = CODEC.words(ids), rng.normal(size=CODEC.n) * (rng.random(CODEC.n) < 0.3)
+        expected = np.array([CODEC.encode(each) for each in ids])
+        assert np.array_equal(words.bits(), expected)
+        assert words.agreement(llr) == pytest.approx((1.0 - 2.0 * expected) @ llr)
+    assert CODEC.words([]).bits().shape == (0, CODEC.n)
     with pytest.raises(InputError, match="64-bit"):
         CODEC.words([-1])
     for wrong in (np.zeros(3), np.full(CODEC.n, np.nan)):

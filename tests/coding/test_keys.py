@@ -180,3 +180,17 @@ def test_a_key_that_other_users_can_read_is_refused_unless_forced(tmp_path, mode
     assert Key.load(path, force=True) == key
     path.chmod(0o400)
     assert Key.load(path) == key
+
+
+def test_a_derived_key_is_that_of_rfc_5869():
+    """HKDF with SHA-256 and no salt, one block, written out."""
+    import hashlib
+    import hmac
+
+    secret = bytes(range(32))
+    pseudorandom = hmac.digest(bytes(32), secret, hashlib.sha256)
+    block = hmac.digest(pseudorandom, "meshmark derived key 1\0Zoë".encode() + b"\1", hashlib.sha256)
+    assert Key(secret).derived("Zoë") == Key(block)
+    assert Key(secret).derived("a") != Key(secret).derived("b")
+    with pytest.raises(InputError, match="needs a label"):
+        Key(secret).derived("")

@@ -7,10 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from importlib import import_module
+from typing import TYPE_CHECKING
 
 from meshmark.errors import InputError
 
-__all__ = ["COMMANDS", "ENTRY_POINTS", "find_command"]
+if TYPE_CHECKING:
+    from typer import Typer
+
+__all__ = ["COMMANDS", "ENTRY_POINTS", "GROUPS", "find_command", "find_group"]
 
 ENTRY_POINTS = "meshmark.commands"
 """The group of entry points under which the wheel meshmark-research registers its commands."""
@@ -23,6 +27,8 @@ COMMANDS: dict[str, str] = {
     "authenticate": "Say whether, and where, a model was changed since marking.",
     "recover": "Bring back what was altered in a marked model.",
     "unmark": "Take a mark off again, with the key and the certificate.",
+    "trace": "Say whose copy a model is, by the registry of copies.",
+    "registry": "Keep who got which copy.",
     "attack": "Simulate common edits and attacks.",
     "compare": "Measure how far apart two models are.",
     "saliency": "Find where a surface stands out.",
@@ -32,8 +38,16 @@ COMMANDS: dict[str, str] = {
     "train": "Train one of the networks: demodulator or distortion.",
     "demo": "Show the whole way on one model.",
 }
+GROUPS = ("registry",)
+"""Commands that are groups of commands: their module offers a `typer.Typer`."""
 # Commands that come with the wheel meshmark-research.
 RESEARCH = ("bench", "train")
+
+
+def find_group(name: str) -> Typer:
+    """Return the commands of a group."""
+    group: Typer = getattr(import_module(f"meshmark.cli.{name}"), name)
+    return group
 
 
 def find_command(name: str) -> Callable[..., int]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -22,6 +23,8 @@ from meshmark.cli.options import (
 from meshmark.cli.output import answer, described, percent, plural, say
 from meshmark.cli.paths import naming, staged, written_beside
 from meshmark.cli.progress import progress
+from meshmark.cli.registry_option import RegistryIn, open_registry
+from meshmark.errors import InputError
 
 if TYPE_CHECKING:
     from meshmark.marking import Embedding
@@ -77,6 +80,13 @@ def embed(
             metavar="OUT.png", help="Also draw the original, the marked model, and the change of its shading."
         ),
     ] = None,
+    recipient: Annotated[
+        str | None,
+        typer.Option(
+            "--to", metavar="NAME", help="To whom the copy goes; kept in the registry, not in the file."
+        ),
+    ] = None,
+    registry: RegistryIn = None,
     recompress: Annotated[
         bool,
         typer.Option(
@@ -97,6 +107,8 @@ def embed(
     The certificate is a small file without the key or the surface. Keep it: with it, the mark is found in copies
     of which half is gone, and with the key it takes the mark off again.
 
+    With --registry the copy is entered into a registry, with its certificate: no file has a name without its row.
+
     Exit code 4: the model cannot carry what was asked, and nothing is written.
     """
     from meshmark.coding.keys import Key
@@ -106,13 +118,29 @@ def embed(
     inputs = [model, key, carried if isinstance(carried, Path) else None]
     staging = staged([(out, None), (certificate, None), (picture, ".png")], inputs, force)
     number = None if identity is None else parse_id(identity)
+    if recipient is not None and not registry:
+        raise InputError("--to is kept in a registry, expected --registry as well")
     secret = Key.load(key, force=force)
     mesh = read_model(model, format, staging)
     from meshmark.marking.marked_file import embed_file
 
     wanted = None if layers is None else layers.value
     coarse = None if tolerance is None else tolerance.value
-    with progress("marking"), naming(named(model)), staging:
+    with ExitStack() as stack:
+        stack.enter_context(progress("marking"))
+        stack.enter_context(naming(named(model)))
+        entry = None
+        if registry:
+            from meshmark.registry.entering import original_of_mesh
+            from meshmark.registry.recording import recorded
+
+            opened = stack.enter_context(open_registry(registry))
+            original = original_of_mesh(mesh, named(model).name, opened)
+            entry = stack.enter_context(
+                recorded(opened, original, secret, out, id=number, recipient=recipient)
+            )
+            number = entry.id
+        stack.enter_context(staging)
         result = embed_file(
             mesh,
             out,
@@ -131,9 +159,13 @@ def embed(
             from meshmark.report.shading_change import shading_picture
 
             shading_picture(mesh, result.mesh, picture, staging=staging)
+        if entry is not None:
+            entry.complete(result, staging.staged(out))
     for remark in result.remarks:
         say(f"meshmark: {remark}")
     fields = {**result.to_dict(), "side_files": written_beside(staging, [out, certificate, picture])}
+    if entry is not None:
+        fields["recipient"] = recipient
     outputs = {"model": out, "certificate": certificate, "picture": picture}
     answer(_words(result, named(model), out), described(fields, model, outputs, secret), as_json)
     return 0

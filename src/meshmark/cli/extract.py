@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -23,6 +25,7 @@ from meshmark.cli.output import answer, described
 from meshmark.cli.paths import naming
 from meshmark.cli.progress import progress
 from meshmark.cli.references import check_references, load_ids, load_reference
+from meshmark.cli.registry_option import RegistryIn, open_registry
 
 if TYPE_CHECKING:
     from meshmark.marking import Extraction
@@ -48,6 +51,7 @@ def extract(
             help="Ids of which one may be there, 16 hexadecimal digits a line; # starts a comment.",
         ),
     ] = None,
+    registry: RegistryIn = None,
     time_limit: Annotated[
         float | None,
         typer.Option(
@@ -65,7 +69,8 @@ def extract(
     smoothed or simplified. In a part of a model, or in a copy damaged more, the mark is found with the
     certificate that was made at embedding, or with the original. Where the authentication marks alone are left,
     they tell the id. Less of a mark is enough where the ids that were given out are listed with --among, and an
-    average of copies names those of them that it was made of; without the list, of two copies only.
+    average of copies names those of them that it was made of; without the list, of two copies only. With
+    --registry the certificates and ids of likely originals are looked up there, and the recipient is named.
 
     Exit code 0: present, and the id is printed, or the ids of an average of copies; 1: absent; 3: inconclusive.
     """
@@ -76,18 +81,33 @@ def extract(
     mesh = read_model(model, format)
     reference = load_reference(certificate, original)
     ids = () if among is None else load_ids(among)
-    from meshmark.authentication.reported import with_marks
-    from meshmark.marking import extract as find
+    with ExitStack() as stack:
+        stack.enter_context(progress("looking for the mark"))
+        stack.enter_context(naming(named(model)))
+        opened = stack.enter_context(open_registry(registry)) if registry else None
+        if opened is not None and reference is None and not ids:
+            from meshmark.registry.tracing import trace
 
-    with progress("looking for the mark"), naming(named(model)):
-        found = find(mesh, secret, reference=reference, search=search.value, time_limit=time_limit, among=ids)
-        found = with_marks(found, mesh, secret, reference)
+            traced = trace(mesh, secret, opened, search=search.value, time_limit=time_limit)
+            found, recipients = traced.extraction, [each.recipient for each in traced.matches]
+        else:
+            from meshmark.authentication.reported import with_marks
+            from meshmark.marking import extract as find
+
+            found = find(
+                mesh, secret, reference=reference, search=search.value, time_limit=time_limit, among=ids
+            )
+            found = with_marks(found, mesh, secret, reference)
+            recipients = [] if opened is None else opened.recipients(found.ids, secret.fingerprint)
     fields = described(found.to_dict(diagnose=diagnose), model, key=secret)
-    answer(_words(found, named(model), diagnose), fields, as_json)
+    named_ones = [each for each in recipients if each is not None]
+    fields["recipient"] = named_ones[0] if len(recipients) == 1 and named_ones else None
+    fields["recipients"] = named_ones
+    answer(_words(found, named(model), diagnose, named_ones), fields, as_json)
     return EXIT_CODES[found.presence]
 
 
-def _words(found: Extraction, model: Path, diagnose: bool) -> str:
+def _words(found: Extraction, model: Path, diagnose: bool, recipients: Sequence[str]) -> str:
     from meshmark.coding.chance import band, in_words
     from meshmark.coding.message import format_id
 
@@ -96,7 +116,8 @@ def _words(found: Extraction, model: Path, diagnose: bool) -> str:
         chance = f"chance of a false alarm {in_words(bound)}"
         *first, last = map(format_id, found.ids)
         ids = f"the ids {', '.join(first)} and {last}" if first else f"the id {last}"
-        return f"Present: {model} carries {ids}; {chance}. {found.advice}"
+        issued = f", issued to {', '.join(recipients)}" if recipients else ""
+        return f"Present: {model} carries {ids}{issued}; {chance}. {found.advice}"
     start = {
         "present": f"Present in {model}, but the id cannot be read.",
         "absent": f"Absent from {model}.",

@@ -13,7 +13,7 @@ from typing import Any, NoReturn
 import typer
 from typer.core import TyperGroup
 
-from meshmark.cli.commands import COMMANDS, find_command
+from meshmark.cli.commands import COMMANDS, GROUPS, find_command, find_group
 from meshmark.cli.output import answer, say
 from meshmark.errors import CapacityError, MeshmarkError
 
@@ -38,6 +38,8 @@ class _Commands(TyperGroup):
         """Return the command of a name, None where there is none."""
         if cmd_name not in COMMANDS:
             return None
+        if cmd_name in GROUPS:
+            return typer.main.get_command(find_group(cmd_name))
         only = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
         only.command(cmd_name)(find_command(cmd_name))
         return typer.main.get_command(only)

@@ -21,6 +21,7 @@ from meshmark.coding.list_decoder import ListDecoder
 from meshmark.coding.message import ID_BITS, check_id
 from meshmark.coding.permutation import IdPermutation
 from meshmark.coding.polar import Bits, polar_code
+from meshmark.coding.word_list import WordList, word_list
 from meshmark.errors import InputError
 from meshmark.mesh import FloatArray
 
@@ -126,20 +127,20 @@ class Codec:
         ids = sorted(self._permutation.backward(each) for each in (image, image ^ difference))
         return DecodedPair(ids=(ids[0], ids[1]), log10_chances=(chance, second))
 
-    def words(self, ids: Sequence[int]) -> Bits:
-        """Return the code bits (m, n) of m ids; raises `InputError` where one has more than 64 bits."""
-        return np.array([self.encode(each) for each in ids], dtype=np.uint8).reshape(len(ids), LENGTH)
+    def words(self, ids: Sequence[int]) -> WordList:
+        """Return the code bits of m ids; raises `InputError` where one has more than 64 bits."""
+        permuted = [self._permutation.forward(check_id(each)) for each in ids]
+        return word_list(self._code, permuted, self._mask)
 
-    def chances(self, llr: FloatArray, words: Bits) -> FloatArray:
+    def chances(self, llr: FloatArray, words: WordList) -> FloatArray:
         """Return log10 of bounds (m,) on the chance that random observations agree as well with any of m words.
 
-        llr: (n,) as `decode` takes it; words: (m, n). Words that agree no better than by half are given 0.
+        llr: (n,) as `decode` takes it. Words that agree no better than by half are given 0.
         Raises `InputError` as `decode` does.
         """
         _check(llr)
-        seen = np.flatnonzero(llr)
-        values = llr[seen]
-        agreement = values.sum() - 2.0 * (words[:, seen] @ values)
+        values = llr[llr != 0.0]
+        agreement = words.agreement(llr)
         chances = np.zeros(len(words))
         # The bound takes a Newton search: only words that may be of interest pay for it.
         for row in np.flatnonzero(agreement > NOTABLE * np.sqrt(values @ values)):

@@ -27,6 +27,7 @@ _READ_LIMIT = 4 * KEY_BYTES
 # Permissions of the group and of all others.
 _OTHERS = 0o077
 _DOMAIN = b"meshmark subkey 1\0"
+_DERIVED = b"meshmark derived key 1\0"
 _FINGERPRINT, _FINGERPRINT_BYTES = "public fingerprint", 8
 
 
@@ -166,6 +167,34 @@ class Key:
         if not purpose:
             raise InputError("a subkey needs the name of its purpose, got an empty one")
         return hmac.digest(self._secret, _DOMAIN + purpose.encode(), hashlib.sha256)
+
+    def derived(self, label: str) -> Key:
+        """Return the key of a project, a model or a customer, which can be handed out.
+
+        HKDF-SHA256 (RFC 5869) of this key, the label in its info. Neither this key nor the keys of other labels
+        follow from it.
+
+        Parameters
+        ----------
+        label : str
+            The same one gives the same key.
+
+        Returns
+        -------
+        Key
+
+        Raises
+        ------
+        InputError
+            The label is empty.
+        """
+        if not label:
+            raise InputError("a derived key needs a label, got an empty one")
+        from cryptography.hazmat.primitives.hashes import SHA256
+        from cryptography.hazmat.primitives.kdf.hkdf import HKDF
+
+        info = _DERIVED + label.encode("utf-8", "surrogatepass")
+        return Key(HKDF(algorithm=SHA256(), length=KEY_BYTES, salt=None, info=info).derive(self._secret))
 
     @property
     def fingerprint(self) -> str:

@@ -23,7 +23,11 @@ from typing import Self
 from meshmark.coding.keys import is_key_file
 from meshmark.errors import InputError, OutputError
 
-__all__ = ["Staging", "refuse_place"]
+__all__ = ["TEMPORARY", "Staging", "refuse_place"]
+
+_PREFIX, _SUFFIX = ".meshmark.", ".tmp"
+TEMPORARY = f"{_PREFIX}*{_SUFFIX}"
+"""Names of the folders of files that are not yet in their places; one stays behind where a process is killed."""
 
 
 class Staging:
@@ -48,6 +52,10 @@ class Staging:
     def places(self) -> tuple[Path, ...]:
         """Return where the files go, links resolved."""
         return tuple(self._staged)
+
+    def staged(self, path: Path | str) -> Path:
+        """Return the temporary name of a file that was put; raises `KeyError` for others."""
+        return self._staged[Path(os.path.realpath(path))]
 
     def keep(self, *paths: Path) -> None:
         """Add files that are not to be touched."""
@@ -98,7 +106,7 @@ class Staging:
         """
         if home not in self._folders:
             try:
-                made = tempfile.mkdtemp(prefix=".meshmark.", suffix=".tmp", dir=home)
+                made = tempfile.mkdtemp(prefix=_PREFIX, suffix=_SUFFIX, dir=home)
             except OSError as error:
                 raise _failure(home, error) from None
             self._folders[home] = Path(made)

@@ -8,7 +8,7 @@ from math import log, log10
 import numpy as np
 
 from meshmark.coding.codec import CHECK_WORD_LIMIT, Codec
-from meshmark.coding.polar import Bits
+from meshmark.coding.word_list import WordList
 from meshmark.mesh import FloatArray
 from meshmark.ownership.carriers.reading import Reading
 from meshmark.ownership.parameters import CREDIBLE_LOG10, PRESENT_LOG10, PROVEN_LOG10
@@ -24,6 +24,8 @@ class Found:
     shows it.
     log10_false_positive: bound on the chance of this without a mark, over all that was tried.
     stopped: the time ran out before the search was at its end.
+    log10_words: for each id a bound on the chance that a reading of something else tells it, over all that was
+    decoded: without the lock, which is no chance where another mark of this key is there.
     """
 
     reading: Reading | None
@@ -31,6 +33,7 @@ class Found:
     log10_false_positive: float
     ids: tuple[int, ...] = ()
     stopped: bool = False
+    log10_words: tuple[float, ...] = ()
 
     @property
     def id(self) -> int | None:
@@ -45,14 +48,16 @@ class Found:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Listed:
-    """Issued ids among which that of a copy is looked for, and their code words (m, n)."""
+    """Issued ids among which that of a copy is looked for, and their code words."""
 
     ids: tuple[int, ...]
-    words: Bits
+    words: WordList
 
 
-def decoded(codec: Codec, reading: Reading, listed: Listed) -> Found | None:
+def decoded(codec: Codec, reading: Reading, listed: Listed, decodings: float = 1.0) -> Found | None:
     """Decode a reading, and, where its lock is credible, its complement, as an average, and among listed ids.
+
+    decodings: what the chance of a word alone is charged for the readings that were decoded before.
 
     A round shape half a step too large or too small locks as well, with every bit turned round. Where the lock is
     credible, less evidence is asked of the word alone: the bound of both together is asked for in any case, and
@@ -60,48 +65,75 @@ def decoded(codec: Codec, reading: Reading, listed: Listed) -> Found | None:
     """
     observed, credible = reading.observed(), _is_credible(reading)
     ways = (3 if credible else 1) + bool(listed.ids)  # the word, its complement and a pair; the list
-    hypotheses = ways * reading.hypotheses
-    if credible and (pair := _pair(codec, reading, observed, hypotheses)) is not None:
+    charged = _Charged(lock=ways * reading.hypotheses, word=log10(ways * decodings))
+    if credible and (pair := _pair(codec, reading, observed, charged)) is not None:
         return pair
-    named = _among(codec, reading, observed, listed, hypotheses=hypotheses)
+    named = _among(codec, reading, observed, listed, charged=charged)
     if named is not None and len(named.ids) > 1:  # of an average the likeliest word alone is one of them
         return named
     limit = _word_limit(reading)
     for signed in (observed, -observed) if credible else (observed,):
         word = codec.decode(signed, limit)
-        bound = _log10_bound(reading.log10_chance + word.log10_chance, hypotheses)
+        bound = _log10_bound(reading.log10_chance + word.log10_chance, charged.lock)
         if word.id is not None and bound <= PRESENT_LOG10:
-            return Found(reading=reading, ids=(word.id,), present=True, log10_false_positive=bound)
+            return Found(
+                reading=reading,
+                ids=(word.id,),
+                present=True,
+                log10_false_positive=bound,
+                log10_words=(word.log10_chance + charged.word,),
+            )
     return named
 
 
-def _pair(codec: Codec, reading: Reading, observed: FloatArray, hypotheses: float) -> Found | None:
+@dataclass(frozen=True)
+class _Charged:
+    """What is charged: hypotheses for lock and word together, and log10 of those for the word alone."""
+
+    lock: float
+    word: float
+
+
+def _pair(codec: Codec, reading: Reading, observed: FloatArray, charged: _Charged) -> Found | None:
     """Return the two ids of an average of two copies.
 
     Where their bits are the same it reads as either, elsewhere half a step off: doubled phases tell which, and make
     a word. The lock is of doubled phases too, and counts for nothing in the bound.
     """
     pair = codec.decode_pair(observed, reading.doubled())
-    bound = _log10_bound(sum(pair.log10_chances), hypotheses)
+    bound = _log10_bound(sum(pair.log10_chances), charged.lock)
     if max(pair.log10_chances) > PROVEN_LOG10 or bound > PRESENT_LOG10:
         return None
-    return Found(reading=reading, ids=pair.ids, present=True, log10_false_positive=bound)
+    either = (
+        max(pair.log10_chances) + log10(2.0) + charged.word
+    )  # where either word is wrong, so are both ids
+    return Found(
+        reading=reading,
+        ids=pair.ids,
+        present=True,
+        log10_false_positive=bound,
+        log10_words=(either, either),
+    )
 
 
 def _among(
-    codec: Codec, reading: Reading, observed: FloatArray, listed: Listed, *, hypotheses: float
+    codec: Codec, reading: Reading, observed: FloatArray, listed: Listed, *, charged: _Charged
 ) -> Found | None:
     """Return those of the listed ids that the reading shows: one, or some of those of averaged copies."""
     if not listed.ids:
         return None
     chances = codec.chances(observed, listed.words)
     shown = np.flatnonzero(chances <= _word_limit(reading))
-    bound = _log10_bound(reading.log10_chance + float(chances.min()), hypotheses)
+    bound = _log10_bound(reading.log10_chance + float(chances.min()), charged.lock)
     if not len(shown) or bound > PRESENT_LOG10:
         return None
     best = shown[np.argsort(chances[shown], kind="stable")]
     return Found(
-        reading=reading, ids=tuple(listed.ids[row] for row in best), present=True, log10_false_positive=bound
+        reading=reading,
+        ids=tuple(listed.ids[row] for row in best),
+        present=True,
+        log10_false_positive=bound,
+        log10_words=tuple(float(chances[row]) + charged.word for row in best),
     )
 
 

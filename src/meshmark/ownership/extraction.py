@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from time import perf_counter
 
@@ -18,7 +18,7 @@ from meshmark.ownership.decoding import Found, Listed, decoded, lock_bound
 from meshmark.ownership.extraction_result import Extraction
 from meshmark.ownership.parameters import PRESENT_LOG10
 from meshmark.ownership.search.search import EFFORTS, Search
-from meshmark.ownership.search.strategies import STRATEGIES
+from meshmark.ownership.search.strategies import STRATEGIES, Strategy
 from meshmark.ownership.search.trials import OutOfTimeError, TrialCounter
 from meshmark.scene.surfaces import surfaces_to_read
 from meshmark.threads import on_one_thread
@@ -94,28 +94,34 @@ def extract(
     return result if remark is None else replace(result, advice=f"{result.advice} {remark}")
 
 
-def find(search: Search) -> Found:
+def find(search: Search, chosen: Callable[[Strategy], bool] | None = None) -> Found:
     """Return the first reading that decodes, else the one with the best lock.
 
-    The strategies of `STRATEGIES` that apply are gone through in order. Which readings are tried and decoded does
-    not depend on the message. The false-positive bound is the chance of the lock times that of the decoded word,
-    times the hypotheses.
+    The strategies of `STRATEGIES` that apply, and are `chosen` where that is given, are gone through in order.
+    Which readings are tried and decoded does not depend on the message. The false-positive bound is the chance of
+    the lock times that of the decoded word, times the hypotheses.
     """
     codec = Codec(search.key)
     listed = Listed(ids=search.among, words=codec.words(search.among))
     best: Reading | None = None
+    unsure: Found | None = None
     stopped = False
     try:
-        for strategy in STRATEGIES:
+        for strategy in STRATEGIES if chosen is None else filter(chosen, STRATEGIES):
             for reading in strategy.readings(search) if strategy.applies(search) else ():
                 best = _better(best, reading)
                 limit = strategy.decode_below
                 if (limit is None or reading.log10_chance <= limit) and (
-                    found := decoded(codec, reading, listed)
+                    found := decoded(codec, reading, listed, search.trials.charge_decoding())
                 ):
-                    return found
+                    if search.sure is None or min(found.log10_words) <= search.sure:
+                        return found
+                    if unsure is None or min(found.log10_words) < min(unsure.log10_words):
+                        unsure = found
     except OutOfTimeError:
         stopped = True
+    if unsure is not None:
+        return unsure
     if best is None:
         return Found(reading=None, present=False, log10_false_positive=0.0, stopped=stopped)
     bound = lock_bound(best)

@@ -44,7 +44,7 @@ class Extraction:
     presence: "present", "absent" or "inconclusive"; id: the 64-bit id, or None where none or several were read;
     ids: all that were read, several of an average of copies.
     log10_false_positive: bound on the chance of this answer without a mark of this key, over all that was tried.
-    mode: "blind", "certificate" or "original". carriers: cells, or coordinates of points,
+    mode: "blind", "certificate", "original" or "registry". carriers: cells, or coordinates of points,
     that were read; carriers_agreeing: those whose bit is the decoded one's.
     lock_score: weighted mean cosine of the phases by which the lattice is locked (`CellKeys`), 1 where all cells
     lie on the quantiser's points, about 0 without a mark.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cached_property
+from weakref import WeakKeyDictionary
 
 from meshmark.geometry.frame import Frame, canonical_frame
 from meshmark.geometry.registration.agreement import judge
@@ -13,9 +14,10 @@ from meshmark.geometry.registration.pose_candidates import Spots
 from meshmark.geometry.registration.surfels import Surfels, low_passed, make_surfels
 from meshmark.geometry.registration.windows import look
 from meshmark.geometry.similarity import Similarity
+from meshmark.geometry.surface import Surface
 from meshmark.mesh import FloatArray, IntArray
 
-__all__ = ["PreparedSurface"]
+__all__ = ["PreparedSurface", "prepared_suspect"]
 
 # All lengths in units of the frame's scale. The low pass takes off what noise adds and keeps what windows see.
 LOW_PASS = 0.03
@@ -25,6 +27,17 @@ SPOTS = 800
 JUDGES = 300
 # A surface that its own landmarks explain less than this is judged as if they explained so much.
 LEAST_EXPLAINED = 0.3
+
+
+# For as long as the surface exists.
+_PREPARED: WeakKeyDictionary[Surface, PreparedSurface] = WeakKeyDictionary()
+
+
+def prepared_suspect(surface: Surface) -> PreparedSurface:
+    """Return a surface prepared for registration, the same object each time it is asked for."""
+    if surface not in _PREPARED:
+        _PREPARED[surface] = PreparedSurface(surface.points, surface.faces)
+    return _PREPARED[surface]
 
 
 class PreparedSurface:
@@ -41,6 +54,7 @@ class PreparedSurface:
         canonical = self.frame.to_canonical(smooth)
         self.fine: Surfels = make_surfels(canonical, faces, FINE)
         self.coarse: Surfels = make_surfels(canonical, faces, COARSE)
+        self._described: dict[float, Spots] = {}
 
     @cached_property
     def spots(self) -> tuple[FloatArray, FloatArray]:
@@ -61,11 +75,15 @@ class PreparedSurface:
         return replace(marks, explains=max(explains, LEAST_EXPLAINED))
 
     def described(self, scale: float) -> Spots:
-        """Return the spots with descriptors of balls as large as those of a reference of this scale."""
-        places, normals = self.spots
-        return Spots(
-            places=places, normals=normals, descriptors=describe(self.coarse, places, normals, RADIUS * scale)
-        )
+        """Return the spots with descriptors of balls as large as those of a reference of this scale.
+
+        Each scale is computed once: a suspect is registered with several references.
+        """
+        if scale not in self._described:
+            places, normals = self.spots
+            descriptors = describe(self.coarse, places, normals, RADIUS * scale)
+            self._described[scale] = Spots(places=places, normals=normals, descriptors=descriptors)
+        return self._described[scale]
 
     @cached_property
     def judges(self) -> Surfels:

@@ -6,7 +6,7 @@ none of them convinces. Every candidate is refined and judged the same way.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -70,17 +70,20 @@ class Registered:
     doubt: float
 
 
-def register(landmarks: Landmarks, home: Frame, suspect: PreparedSurface) -> list[Registered]:
+def register(
+    landmarks: Landmarks, home: Frame, suspect: PreparedSurface, scales: Sequence[float] = ()
+) -> list[Registered]:
     """Return the best poses found (canonical coordinates of the reference -> scene of the suspect), best first.
 
-    home: the reference's frame in its own scene. Empty where nothing fits, or where the surface does not
-    determine a pose (a plane, a sphere).
+    home: the reference's frame in its own scene. scales: of the reference over the suspect's, where they are known
+    about; by default the same unit, the same size, and `SCALES`. Empty where nothing fits, or where the surface
+    does not determine a pose (a plane, a sphere).
     """
     if len(landmarks) < FEWEST or not _determined(landmarks, suspect.judges):
         return []
     found = _best_refined(landmarks, suspect, list(_guesses(home, suspect.frame)))
     if not _sure(found):
-        for scale in _scales(home, suspect.frame):
+        for scale in scales or _scales(home, suspect.frame):
             poses = candidate_poses(landmarks, suspect.described(scale), scale)
             found = _distinct(found + _best_refined(landmarks, suspect, poses))
             if _sure(found) or _clear(found):

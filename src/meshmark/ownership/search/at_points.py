@@ -59,7 +59,7 @@ def registered_readings_of_points(search: Search) -> Iterator[Reading]:
         frame = frame_of(fit, home)
         yield from _readings(search, Carried.of(surface, frame), (frame,), (label,))
     # Landmarks cost more, and are looked at only where what the corners tell is not it.
-    for frame in starting_frames(surface, reference):
+    for frame in starting_frames(surface, reference, search.scales):
         yield from _readings(search, Carried.of(surface, frame), (frame,), (label,))
 
 

@@ -34,7 +34,7 @@ def registered_readings(search: Search) -> Iterator[Reading]:
     else:
         label = Label.of_shape(marked_surface(reference).invariants, search.key)
     held = []
-    for frame in starting_frames(search.surface, reference):
+    for frame in starting_frames(search.surface, reference, search.scales):
         near = preferred_spacings(frame.area)[:ORIGINAL_SPACINGS] if known is None else known
         shapes = Shapes(search.surface, frame)
         held += [(frame, shapes, search.lattice(spacing, label)) for spacing in near]

@@ -32,8 +32,10 @@ class Search:
     "quick" also undoes common damage; "wide" also exchanges axes of nearly equal moments and reads every spacing.
     copies: further surfaces that may carry the mark, where a scene shows meshes several times (used up once).
     spacings: lattice spacings to read, None: all that an embedding may have chosen. reference: the certificate
-    of the mark or the unmarked original. among: ids of which one may be there. label: of the
-    lattice; None: found from the shape. trials: numbers every reading of this search.
+    of the mark or the unmarked original. scales: of the reference over the suspect's, where they are known about.
+    among: ids of which one may be there. label: of the lattice; None: found from the shape. trials: numbers every
+    reading of this search. sure: an id whose word is less likely by chance than 10^this ends the search, others are
+    kept for want of better; None: any id does.
     """
 
     surface: Surface
@@ -41,9 +43,11 @@ class Search:
     effort: str = "quick"
     spacings: tuple[float, ...] | None = None
     reference: Certificate | Mesh | None = None
+    scales: tuple[float, ...] = ()
     copies: Iterable[Surface] = ()
     among: tuple[int, ...] = ()
     label: Label | None = None
+    sure: float | None = None
     trials: TrialCounter = field(default_factory=TrialCounter)
 
     @property

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 from meshmark.certificate.certificate import Certificate
 from meshmark.geometry.frame import Frame
 from meshmark.geometry.registration.landmarks import Landmarks
-from meshmark.geometry.registration.prepared_surface import PreparedSurface
+from meshmark.geometry.registration.prepared_surface import PreparedSurface, prepared_suspect
 from meshmark.geometry.registration.register import register
 from meshmark.geometry.similarity import Similarity
 from meshmark.geometry.surface import Surface
@@ -20,15 +21,18 @@ __all__ = ["ORIGINAL_LANDMARKS", "frame_of", "starting_frames"]
 ORIGINAL_LANDMARKS = 500
 
 
-def starting_frames(suspect: Surface, reference: Certificate | Mesh) -> list[Frame]:
+def starting_frames(
+    suspect: Surface, reference: Certificate | Mesh, scales: Sequence[float] = ()
+) -> list[Frame]:
     """Return frames in which the suspect lies as the marked model does in its canonical frame, best first.
 
     At most five; none where the reference does not fit, or does not determine how (a sphere). Of an unmarked
     original the frame is that of the marked model up to what the mark moved it, 0.1 to 0.3 %.
+    scales: as `register` takes them.
     Raises `InputError` where the suspect or the original has no surface.
     """
     landmarks, home = _landmarks(reference)
-    found = register(landmarks, home, PreparedSurface(suspect.points, suspect.faces))
+    found = register(landmarks, home, prepared_suspect(suspect), scales)
     return [frame_of(fit.pose, home) for fit in found]
 
 

@@ -21,7 +21,7 @@ class Strategy:
     readings: yields the readings of a search, likeliest first; each has taken a trial of `search.trials`.
     applies: whether a search is to try it at all. cost: processor time of an absent answer, over that of reading a
     surface of 35,000 points as it stands. decode_below: readings whose lock is less likely by chance than 10^this
-    are decoded; None: all are.
+    are decoded; None: all are. by_reference: it reads in frames that a reference gives.
     """
 
     name: str
@@ -29,6 +29,7 @@ class Strategy:
     applies: Callable[[Search], bool]
     cost: float
     decode_below: float | None = None
+    by_reference: bool = False
 
 
 def _always(_search: Search) -> bool:
@@ -101,12 +102,14 @@ STRATEGIES: tuple[Strategy, ...] = (
         applies=_may_be_at_points,
         cost=10.0,
         decode_below=DECODE_LOG10,
+        by_reference=True,
     ),
     Strategy(
         name="registered",
         readings=late_function("meshmark.ownership.search.registered", "registered_readings"),
         applies=_may_be_in_cells,
         cost=60.0,
+        by_reference=True,
     ),
     Strategy(
         name="mirrored",

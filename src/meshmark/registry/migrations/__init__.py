@@ -1,0 +1,1 @@
+"""The migrations of a registry, for alembic; `migrating` runs them."""
