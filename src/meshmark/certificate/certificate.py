@@ -12,7 +12,7 @@ the lattice's parameters: neither the surface nor anything of the key. The file 
                          rows: places, normals, masses, curvatures (32-bit floats), descriptors (16-bit floats)
     layers               what was embedded: both, ownership or authentication
     carriers             of the id: cells or points
-    corners              of a mark at points: of the largest triangles, canonical, in base64, as the landmarks are
+    corners              of some triangles, canonical, in base64, as the landmarks are
     written              of a model with the id alone: keyed digest of its positions, lock and cells of its lattice
                          (see `authentication.as_written`)
     binding              keyed digests of all other fields, of the key, and of the id (see `binding`)
@@ -74,7 +74,7 @@ class Certificate:
 
     @property
     def corners(self) -> FloatArray:
-        """Return the corners (k, 3, 3) of triangles of a model marked at points; raises `InputError` for others."""
+        """Return the corners (k, 3, 3) of triangles of the model; raises `InputError` where they are spoilt."""
         from meshmark.certificate.certificate_fields import unpacked_corners
 
         return unpacked_corners(self.more.get("corners", ""))

@@ -46,7 +46,7 @@ def certify(
     repeated_only : bool
         The mark lies only in the part of the scene that is shown more than once.
     at_points : bool
-        The id lies in points, not in cells: the corners of the largest triangles are kept, too.
+        The id lies in points, not in cells.
 
     Returns
     -------
@@ -62,9 +62,8 @@ def certify(
         surface = next(only_repeated(surface), surface)
     frame = surface.frame
     landmarks = PreparedSurface(surface.points, surface.faces, frame).landmarks(LANDMARKS)
-    more: dict[str, str] = {"carriers": "points" if at_points else "cells"}
-    if at_points:
-        more["corners"] = packed_corners(corners_to_keep(frame.to_canonical(surface.points), surface.faces))
+    corners = corners_to_keep(frame.to_canonical(surface.points), surface.faces)
+    more = {"carriers": "points" if at_points else "cells", "corners": packed_corners(corners)}
     return Certificate(
         # As the file holds them, so that a certificate is the same after a round trip.
         landmarks=unpacked(packed(landmarks)),

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from meshmark.certificate.certificate import Certificate
 from meshmark.geometry.frame import Frame, frame_alternatives
-from meshmark.geometry.registration.corner_matching import corners_to_keep, match_corners
 from meshmark.ownership.carriers.lattice_label import Label
 from meshmark.ownership.carriers.reading import Reading
 from meshmark.ownership.parameters import SURELY_SKEW
@@ -16,8 +14,7 @@ from meshmark.ownership.points.parameters import MOST_POINTS
 from meshmark.ownership.points.point_lattice import PointLattice
 from meshmark.ownership.points.point_reading import CHOICES, Framed, PointLock
 from meshmark.ownership.search.search import Search
-from meshmark.ownership.search.starting_frames import frame_of, starting_frames
-from meshmark.scene.surfaces import marked_surface
+from meshmark.ownership.search.starting_frames import corner_frames, label_of, starting_frames
 
 __all__ = ["readings_of_points", "registered_readings_of_points"]
 
@@ -48,15 +45,9 @@ def registered_readings_of_points(search: Search) -> Iterator[Reading]:
     reference = search.reference
     if reference is None or len(search.surface.points) > MOST_POINTS:
         return
-    if isinstance(reference, Certificate):
-        label, home, corners = Label.of_hex(reference.lattice), reference.frame, reference.corners
-    else:
-        original = marked_surface(reference)
-        label, home = Label.of_shape(original.invariants, search.key), original.frame
-        corners = corners_to_keep(home.to_canonical(original.points), original.faces)
+    label = label_of(reference, search.key)
     surface = search.surface
-    for fit in match_corners(corners, surface.points, surface.faces):
-        frame = frame_of(fit, home)
+    for frame in corner_frames(surface, reference):
         yield from _readings(search, Carried.of(surface, frame), (frame,), (label,))
     # Landmarks cost more, and are looked at only where what the corners tell is not it.
     for frame in starting_frames(surface, reference, search.scales):

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from itertools import islice, product
 
 from meshmark.certificate.certificate import Certificate
-from meshmark.ownership.carriers.lattice_label import Label
+from meshmark.geometry.frame import Frame
+from meshmark.ownership.carriers.lattice import Lattice
 from meshmark.ownership.carriers.reading import Reading
 from meshmark.ownership.parameters import LOCK_STEPS, ORIGINAL_SPACINGS, preferred_spacings
 from meshmark.ownership.search.locked import grown_readings, locked_readings
-from meshmark.ownership.search.restoration import restorations, stretched
+from meshmark.ownership.search.restoration import Restoration, restorations, stretched
 from meshmark.ownership.search.search import Search
 from meshmark.ownership.search.shapes import Hypothesis, Shapes
-from meshmark.ownership.search.starting_frames import starting_frames
-from meshmark.scene.surfaces import marked_surface
+from meshmark.ownership.search.starting_frames import corner_frames, label_of, starting_frames
 
 __all__ = ["registered_readings"]
 
@@ -28,20 +29,27 @@ def registered_readings(search: Search) -> Iterator[Reading]:
         return
     known = (reference.spacing,) if isinstance(reference, Certificate) else None
     steps = (reference.step,) if isinstance(reference, Certificate) else LOCK_STEPS
-    # The original has the very invariants that its mark was made from.
-    if isinstance(reference, Certificate):
-        label = Label.of_hex(reference.lattice)
-    else:
-        label = Label.of_shape(marked_surface(reference).invariants, search.key)
-    held = []
-    for frame in starting_frames(search.surface, reference, search.scales):
-        near = preferred_spacings(frame.area)[:ORIGINAL_SPACINGS] if known is None else known
-        shapes = Shapes(search.surface, frame)
-        held += [(frame, shapes, search.lattice(spacing, label)) for spacing in near]
-    for restoration in restorations(search.surface, frame_known=True) if held else ():
-        for frame, shapes, lattice in held:
+    label = label_of(reference, search.key)
+
+    def placed(frames: Iterable[Frame]) -> list[tuple[Frame, Shapes, Lattice]]:
+        return [
+            (frame, Shapes(search.surface, frame), search.lattice(spacing, label))
+            for frame in frames
+            for spacing in (preferred_spacings(frame.area)[:ORIGINAL_SPACINGS] if known is None else known)
+        ]
+
+    def read(held: list[tuple[Frame, Shapes, Lattice]], restored: Iterable[Restoration]) -> Iterator[Reading]:
+        for restoration, (frame, shapes, lattice) in product(restored, held):
             hypothesis = Hypothesis(restoration=restoration, lattice=lattice, turned=frame)
             yield from locked_readings(shapes, hypothesis, steps, search.trials.charge())
+
+    # A part of the model, unchanged: registered exactly, and soon.
+    if exact := placed(corner_frames(search.surface, reference)):
+        yield from read(exact, islice(restorations(search.surface, frame_known=True), 1))
+    held = placed(starting_frames(search.surface, reference, search.scales))
+    if not held:
+        return
+    yield from read(held, restorations(search.surface, frame_known=True))
     restoration = stretched(search.surface.points)
     for frame, shapes, lattice in held:
         hypothesis = Hypothesis(restoration=restoration, lattice=lattice, turned=frame)
