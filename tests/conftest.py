@@ -34,7 +34,7 @@ SLOWEST = (
 
 
 # Ways of searching that read the surface as it stands, or by a reference.
-CHEAP = {"as it stands", "points as they stand", "registered", "points registered"}
+CHEAP = {"as it stands", "points as they stand", "points after cells", "registered", "points registered"}
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

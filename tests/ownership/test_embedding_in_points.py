@@ -86,7 +86,7 @@ def test_the_id_lies_in_points_and_survives_what_leaves_the_shape_alone(name):
         found = extract(COPIES[copy](result.mesh), KEY, search="plain")
         assert (found.presence, found.id) == ("present", ID), copy
         assert found.log10_false_positive < -20.0
-        assert found.carriers_agreeing > 0.6 * found.carriers
+        assert found.carriers_agreeing > 0.55 * found.carriers
 
 
 @pytest.mark.parametrize("name", OTHER_DIAGONALS)
@@ -97,10 +97,10 @@ def test_it_survives_other_diagonals(name):
     assert extract(Mesh(mesh.vertices, faces), KEY, search="plain").id == ID
 
 
-@pytest.mark.parametrize("name", ["ball", "column"])
+@pytest.mark.parametrize("name", ["box", "column"])
 def test_the_mirror_image_is_read_however_coarse(name):
     mesh = marked(name).mesh
-    assert Search(surface=surface_of(mesh), key=KEY).has_cells == (name == "ball")
+    assert Search(surface=surface_of(mesh), key=KEY).has_cells == (name == "box")
     image = Mesh(mesh.vertices * [-1.0, 1.0, 1.0], mesh.faces[:, ::-1])
     found = extract(image, KEY, search="quick")
     assert found.id == ID

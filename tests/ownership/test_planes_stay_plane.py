@@ -65,5 +65,6 @@ def test_large_models_keep_the_tougher_mark(mixed, monkeypatch):
 def test_cells_that_bear_no_noise_give_way_to_points(monkeypatch):
     rough = Mesh(*boulder(40, 0.02))
     assert not embed(rough, KEY, id=ID).mark.at_points
+    monkeypatch.setattr(embedding, "FIRM", 1e9)
     monkeypatch.setattr(embedding, "FRAIL_NOISE", 2e-2)
     assert embed(rough, KEY, id=ID).mark.at_points

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from meshmark.geometry.areas import area_vectors
+from meshmark.geometry.components import connected_components
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["PlanePatches"]
@@ -27,13 +27,14 @@ class PlanePatches:
 
     point, patch: (n,) each, the points of the patches and the number of the patch that each is in; a point on an
     edge between two is in both. points: (p,) which of the surface's points these are. share: of the surface's area,
-    0 to 1.
+    0 to 1. diagonal: of the box around the surface, in the unit of its points.
     """
 
     point: IntArray
     patch: IntArray
     points: NDArray[np.bool_]
     share: float
+    diagonal: float
 
     @classmethod
     def of(cls, points: FloatArray, faces: IntArray) -> PlanePatches:
@@ -48,6 +49,7 @@ class PlanePatches:
         -------
         PlanePatches
         """
+        points, diagonal = _in_unit_box(points, faces)
         vectors = area_vectors(points, faces)
         area = np.linalg.norm(vectors, axis=1)
         normals = vectors / np.maximum(area, np.finfo(float).tiny)[:, None]
@@ -55,24 +57,36 @@ class PlanePatches:
         flat = 1.0 - np.abs(np.einsum("ij,ij->i", normals[one], normals[other])) <= _ANGLE
         size = (len(faces), len(faces))
         graph = coo_array((np.ones(int(flat.sum()), np.int8), (one[flat], other[flat])), shape=size)
-        count, label = connected_components(graph, directed=False)
+        count, label = connected_components(graph)
         pairs = np.unique(np.stack([np.repeat(label, 3), faces.ravel()], axis=1), axis=0)
-        diagonal = float(np.linalg.norm(np.ptp(points[faces.ravel()], axis=0))) if len(faces) else 0.0
         sizes = np.bincount(pairs[:, 0], minlength=count)
         off = np.sqrt(_square_off(points[pairs[:, 1]], pairs[:, 0], count) / np.maximum(sizes, 1))
-        kept = (sizes >= _LEAST) & (off <= _OFF * diagonal)
+        kept = (sizes >= _LEAST) & (off <= _OFF)
         rows = kept[pairs[:, 0]]
         share = float(area[kept[label]].sum() / max(area.sum(), np.finfo(float).tiny))
         inside = np.zeros(len(points), bool)
         inside[pairs[rows, 1]] = True
-        return cls(point=pairs[rows, 1], patch=pairs[rows, 0], points=inside, share=share)
+        return cls(point=pairs[rows, 1], patch=pairs[rows, 0], points=inside, share=share, diagonal=diagonal)
 
     def off_plane(self, points: FloatArray) -> float:
         """Return the RMS distance of moved points (p, 3) from the plane fitted to each patch; 0 without patches."""
         if not len(self.point):
             return 0.0
-        square = _square_off(points[self.point], self.patch, int(self.patch.max()) + 1)
-        return float(np.sqrt(square.sum() / len(self.point)))
+        places = points[self.point] / self.diagonal
+        square = _square_off(places, self.patch, int(self.patch.max()) + 1)
+        return float(np.sqrt(square.sum() / len(self.point))) * self.diagonal
+
+
+def _in_unit_box(points: FloatArray, faces: IntArray) -> tuple[FloatArray, float]:
+    """Return the points (p, 3) over the diagonal of the box around the faces, so that no unit overflows; and it."""
+    if not len(faces):
+        return points, 1.0
+    used = points[faces.ravel()]
+    size = np.ptp(used, axis=0)
+    diagonal = float(size.max() * np.linalg.norm(size / max(float(size.max()), np.finfo(float).tiny)))
+    if diagonal == 0.0:
+        return points, 1.0
+    return (points - used.min(axis=0)) / diagonal, diagonal
 
 
 def _square_off(places: FloatArray, patch: IntArray, count: int) -> FloatArray:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
+from meshmark.geometry.components import connected_components
 from meshmark.mesh import IntArray
 
 __all__ = ["consistent_winding"]
@@ -38,7 +38,7 @@ def consistent_winding(faces: IntArray, count: int) -> IntArray:
     if not against.any():
         return faces
     size = len(faces)
-    parts, part = connected_components(_graph(one, other, size), directed=False)
+    parts, part = connected_components(_graph(one, other, size))
     mixed = np.bincount(part[one], against, parts) > _MIXED * np.bincount(part[one], minlength=parts)
     # Each face once as it is and once turned over, joined where two turn alike: in two halves, mirror images of
     # each other, unless both ways of a face hang together.
@@ -47,7 +47,7 @@ def consistent_winding(faces: IntArray, count: int) -> IntArray:
         np.concatenate([other + size * against, other + size * ~against]),
         2 * size,
     )
-    _, way = connected_components(cover, directed=False)
+    _, way = connected_components(cover)
     as_is, over = way[:size], way[size:]
     first = np.full(parts, 2 * size)
     np.minimum.at(first, part, as_is)

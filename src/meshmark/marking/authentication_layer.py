@@ -173,12 +173,6 @@ def _marked(base: Base, request: MarkRequest, planned: Planned, *, bound: bool) 
     surface_of_moved(
         result, planned.mesh
     )  # remembered, so that `examine` welds only what rounding has joined
-    carriers = 0
-    if base.has_id:
-        below = extract(result, request.key, search="plain")
-        if below.id != request.id:
-            raise _IdLostError("the id cannot be read beside the marks of authentication")
-        carriers = below.carriers
     found = examine(as_shown(result), request.key, made=request.id)
     if bound and found.marked and found.payload is None:
         raise _UnplacedError("the marks of authentication do not tell where the model lies")
@@ -193,6 +187,12 @@ def _marked(base: Base, request: MarkRequest, planned: Planned, *, bound: bool) 
         raise CapacityError(
             f"the marks of authentication would not survive {broken}, as the tolerance promises"
         )
+    carriers = 0
+    if base.has_id:
+        below = extract(result, request.key, search="plain")
+        if below.id != request.id:
+            raise _IdLostError("the id cannot be read beside the marks of authentication")
+        carriers = below.carriers
     watched = float(found.checks.verified.sum()) / max(int(found.surface.used.sum()), 1)
     if watched < _WATCHED:
         remarks += (

@@ -112,6 +112,7 @@ class Bumps:
         cells: Cells,
         lattice: Lattice,
         seen: VisibleChange,
+        *,
         still: NDArray[np.bool_] | None = None,
     ) -> None:
         """still: (p,) points that stay where they are; none where it is left out."""

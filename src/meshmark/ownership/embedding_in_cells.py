@@ -91,7 +91,7 @@ def _shapings(task: EmbeddingTask, *, one: bool, still: NDArray[np.bool_] | None
 def _read_back(task: EmbeddingTask, shaping: Shaping) -> Owned | None:
     """Return the first mark that is read back, from the toughest step down, or None."""
     surface = task.surface
-    likeliest = _is_likeliest(surface, shaping.spacing)
+    likeliest = _is_likeliest(surface, shaping.lattice.spacing)
     first = _toughest(task, shaping)
     for step in STEPS[first : first + STEP_TRIES]:
         points = shaping.shaped(float(step))
@@ -100,12 +100,15 @@ def _read_back(task: EmbeddingTask, shaping: Shaping) -> Owned | None:
             continue
         search = Search(surface=surface_of_moved(marked, task.mesh), key=task.key, effort="plain")
         # One spacing fails sooner than all would.
-        found = find(replace(search, spacings=(shaping.spacing,)))
+        found = find(replace(search, spacings=(shaping.lattice.spacing,)))
         if found.id == task.identity and not likeliest:
             found = find(replace(search, trials=TrialCounter()))
         if found.id == task.identity:
             mark = OwnershipMark(
-                carriers=found.carriers, label=shaping.label, spacing=shaping.spacing, step=float(step)
+                carriers=found.carriers,
+                label=shaping.lattice.label,
+                spacing=shaping.lattice.spacing,
+                step=float(step),
             )
             return Owned(mesh=marked, mark=mark)
     return None

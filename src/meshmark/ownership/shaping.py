@@ -22,7 +22,6 @@ from meshmark.mesh import FloatArray
 from meshmark.ownership.bumps import FRAME_ROWS, Bumps, frame_values, symmetric
 from meshmark.ownership.carriers.cells import Cells, measure_cells
 from meshmark.ownership.carriers.lattice import Lattice
-from meshmark.ownership.carriers.lattice_label import Label
 from meshmark.ownership.carriers.nodes import find_nodes
 from meshmark.ownership.carriers.quantisation import nearest_offsets
 from meshmark.ownership.carriers.selection import select_cells
@@ -54,6 +53,7 @@ HALVINGS = 12
 class Shaping:
     """One surface, lattice and word of code bits.
 
+    lattice: as it was given.
     capacity: how many cells an extraction of the unmarked surface would read; cheap, where `carriers` is not.
     """
 
@@ -72,7 +72,7 @@ class Shaping:
         still: (p,) points that stay where they are; none where it is left out.
         """
         self._still = still
-        self._surface, self._frame, self._lattice = surface, surface.frame, lattice
+        self._surface, self._frame, self.lattice = surface, surface.frame, lattice
         self._bits, self._seen, self._share = bits, seen, share
         self._placed = lattice.coordinates(surface.frame.to_canonical(surface.points))
         self._plans: dict[float, Compensation] = {}
@@ -95,16 +95,6 @@ class Shaping:
         wrong = 0.5 * (1.0 - self.carriers / max(self.capacity, 1))
         lost = sum(-share * log2(share) for share in (wrong, 1.0 - wrong) if share > 0.0)
         return self.capacity * (1.0 - lost)
-
-    @property
-    def spacing(self) -> float:
-        """Distance of the lattice's nodes, in units of the canonical scale."""
-        return self._lattice.spacing
-
-    @property
-    def label(self) -> Label:
-        """Label of the lattice."""
-        return self._lattice.label
 
     def loudness(self, step: float) -> float:
         """Return the 95th percentile of the ratio by which a mark without compensation is seen, 1 just noticed."""
@@ -182,16 +172,16 @@ class Shaping:
     @property
     def _unit(self) -> float:
         """Scene units in a spacing."""
-        return self._lattice.spacing * self._frame.scale
+        return self.lattice.spacing * self._frame.scale
 
     @property
     def _scene_normals(self) -> FloatArray:
-        return self._bumps.normals @ self._lattice.axes @ self._frame.axes.T
+        return self._bumps.normals @ self.lattice.axes @ self._frame.axes.T
 
     @cached_property
     def _bumps(self) -> Bumps:
         return Bumps(
-            self._sampler, self._samples, self._candidates, self._lattice, self._seen, still=self._still
+            self._sampler, self._samples, self._candidates, self.lattice, self._seen, still=self._still
         )
 
     @cached_property
@@ -222,7 +212,7 @@ class Shaping:
                     change=self._whole(step),
                     step=step,
                     cost=self._bumps.cost,
-                    locks=~self._lattice.keys(self._cells.nodes).pilot,
+                    locks=~self.lattice.keys(self._cells.nodes).pilot,
                     seen=self._seen_at_cells,
                     share=self._share,
                 )
@@ -231,7 +221,7 @@ class Shaping:
 
     def _whole(self, step: float) -> FloatArray:
         """Return the changes of offset (f,) that put every free cell on a point of its bit."""
-        keys = self._lattice.keys(self._cells.nodes)
+        keys = self.lattice.keys(self._cells.nodes)
         bits = np.where(keys.pilot, 0, self._bits[keys.code_index]).astype(np.int64)
         return nearest_offsets(self._start, keys.dither, bits, step, self._bumps.cost)
 
@@ -281,7 +271,7 @@ class Shaping:
         Distinct axes hardly turn: they are followed, offsets are read in the frame that the shaped surface has of
         its own, and nothing is held. Axes that are nearly alike turn at a touch: they are held.
         """
-        points = self._lattice.points(placed)
+        points = self.lattice.points(placed)
         values = frame_values(points, self._surface.faces)
         drift = np.zeros(FRAME_ROWS)
         if -np.diff(self._frame.moments).max() < ALIKE:
@@ -291,7 +281,7 @@ class Shaping:
             moments, axes = np.linalg.eigh(symmetric(values[3:]))
             axes = axes[:, ::-1]
             axes = axes * np.where(np.diag(axes) < 0.0, -1.0, 1.0)
-            placed = self._lattice.coordinates((points - values[:3]) @ (axes / np.sqrt(moments.sum())))
+            placed = self.lattice.coordinates((points - values[:3]) @ (axes / np.sqrt(moments.sum())))
         cells = measure_cells(self._sampler(placed))
         found = find_nodes(cells.nodes, self._cells.nodes)
         return np.where(found >= 0, cells.offset[found], self._cells.offset), drift
@@ -304,4 +294,4 @@ class Shaping:
         xx, yy, zz = self._frame.moments + self._frame_change[3:6]
         turns = np.abs(drift[6:] / np.array([xx - yy, xx - zz, yy - zz]))
         moved = np.concatenate([np.abs(drift[:6]), turns])
-        return float(np.sqrt((moved**2).sum() / 3.0)) / self._lattice.spacing
+        return float(np.sqrt((moved**2).sum() / 3.0)) / self.lattice.spacing
