@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import pytest
 
 from meshmark.ownership.search.trials import TrialCounter
@@ -13,7 +11,7 @@ def test_the_inverses_of_all_charges_add_up_to_one():
     counter = TrialCounter()
     charges = [counter.charge() for _ in range(2000)]
     assert sum(1.0 / charge for charge in charges) == pytest.approx(1.0, abs=1e-3)
-    assert all(one < other for one, other in pairwise(charges))
+    assert charges == sorted(set(charges))
 
 
 def test_decodings_of_several_parts_share_one_chance():
