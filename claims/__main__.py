@@ -37,6 +37,8 @@ COMMANDS = {
     "recovery": "docs/decisions/0007-payload-recovery.md",
     "region_classifier": "docs/decisions/0010-layers-and-regions.md",
     "registration": "docs/claims.md",
+    "registry_innocent": "docs/decisions/0025-registry.md",
+    "registry_issue": "docs/decisions/0025-registry.md",
     "registry_scale": "docs/decisions/0025-registry.md",
     "registry_traces": "docs/decisions/0025-registry.md",
     "rivals_sanity": "docs/results/rivals-sanity.txt",

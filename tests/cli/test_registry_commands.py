@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import shutil
+import stat
 import sys
 from hashlib import sha256
 from pathlib import Path
@@ -138,6 +139,9 @@ def test_a_disk_that_fails_in_the_last_moment_leaves_no_row(cli, place, quick, m
         ("registry list", "no registry is named, expected --registry URL or the variable MESHMARK_REGISTRY"),
         ("registry list --registry none.db", "there is no registry at none.db, `meshmark registry init` makes one"),
         ("registry list --registry in.ply", "cannot read the registry in.ply: file is not a database"),
+        ("registry init --registry in.ply", "cannot open the registry in.ply: file is not a database"),
+        ("registry init --registry .", "cannot make the registry .: Is a directory"),
+        ("registry list --registry postgresql://localhost:1/db?password=secret", "postgresql://localhost:1/db"),
         ("registry init --registry none/r.db", "cannot make the registry none/r.db: the folder none"),
         ("registry list --registry mysql://me:secret@host/db", "mysql://me:***@host/db is no place of a registry"),
         ("registry list --registry postgresql://me:secret@localhost:1/db", "postgresql://me:***@localhost:1/db"),
@@ -166,6 +170,11 @@ def test_without_its_libraries_a_registry_says_what_to_install(cli, place, monke
     ran = cli("registry", "list", "--registry", "issued.db")
     assert (ran.code, ran.out) == (2, "")
     assert ran.err.endswith("get them with: pip install meshmark[registry]\n")
+
+
+def test_a_new_registry_is_its_owners_alone(cli, place):
+    assert cli("registry", "init", "--registry", "new.db").code == 0
+    assert stat.S_IMODE((place / "new.db").stat().st_mode) == 0o600
 
 
 def test_show_says_that_an_id_is_not_there(cli, place):

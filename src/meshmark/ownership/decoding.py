@@ -65,7 +65,11 @@ def decoded(codec: Codec, reading: Reading, listed: Listed, decodings: float = 1
     """
     observed, credible = reading.observed(), _is_credible(reading)
     ways = (3 if credible else 1) + bool(listed.ids)  # the word, its complement and a pair; the list
-    charged = _Charged(lock=ways * reading.hypotheses, word=log10(ways * decodings))
+    charged = _Charged(
+        lock=ways * reading.hypotheses,
+        word=log10((2.0 * (ways - 1) if listed.ids else ways) * decodings),
+        listed=log10(2.0 * decodings),
+    )
     if credible and (pair := _pair(codec, reading, observed, charged)) is not None:
         return pair
     named = _among(codec, reading, observed, listed, charged=charged)
@@ -86,12 +90,16 @@ def decoded(codec: Codec, reading: Reading, listed: Listed, decodings: float = 1
     return named
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class _Charged:
-    """What is charged: hypotheses for lock and word together, and log10 of those for the word alone."""
+    """What is charged: hypotheses for lock and word together, and log10 of those for the word alone.
+
+    Listed ids, where there are any, have half of the latter, the other ways of decoding the rest.
+    """
 
     lock: float
     word: float
+    listed: float
 
 
 def _pair(codec: Codec, reading: Reading, observed: FloatArray, charged: _Charged) -> Found | None:
@@ -133,7 +141,7 @@ def _among(
         ids=tuple(listed.ids[row] for row in best),
         present=True,
         log10_false_positive=bound,
-        log10_words=tuple(float(chances[row]) + charged.word for row in best),
+        log10_words=tuple(float(chances[row]) + charged.listed for row in best),
     )
 
 

@@ -51,7 +51,7 @@ class Database:
             return url.set(drivername="sqlite+pysqlite")
         if url.drivername in ("postgresql", "postgres", "postgresql+psycopg"):
             return url.set(drivername="postgresql+psycopg")
-        raise RegistryError(f"{url.render_as_string()} is no place of a registry, {_EXPECTED}")
+        raise RegistryError(f"{url.set(query={}).render_as_string()} is no place of a registry, {_EXPECTED}")
 
     @property
     def path(self) -> Path | None:
@@ -63,7 +63,8 @@ class Database:
         """What messages call it: the path, or the address without the password."""
         if self.path is not None:
             return str(self.path)
-        return self.url.set(drivername="postgresql").render_as_string(hide_password=True)
+        # A password may be in the query, too.
+        return self.url.set(drivername="postgresql", query={}).render_as_string(hide_password=True)
 
     @cached_property
     def engine(self) -> Engine:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import TYPE_CHECKING
 
 from sqlalchemy import Connection, inspect, text
@@ -36,6 +37,10 @@ def make_tables(database: Database) -> bool:
             raise RegistryError(
                 f"cannot make the registry {path}: the folder {path.parent} does not exist", file=path
             )
+        try:
+            os.close(os.open(path, os.O_RDWR | os.O_CREAT, 0o600))  # names of customers are its owner's alone
+        except OSError as error:
+            raise RegistryError(f"cannot make the registry {path}: {error.strerror}", file=path) from None
         try:
             with database.engine.connect() as connection:
                 raw = connection.connection.driver_connection
