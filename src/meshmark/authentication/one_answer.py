@@ -52,11 +52,8 @@ def one_answer(
     Extraction
         `ids` are those of all evidence, the one with the largest share first; `id` is None where they are several.
     """
-    evidence = [
-        *_charged(marks, _MARKS),
-        *_charged(found.evidence, _WHOLE),
-        *_charged(parts, _PARTS),
-    ]
+    own = [entry for entry in found.evidence if entry.id is None or entry.id in found.ids]
+    evidence = [*_charged(marks, _MARKS), *_charged(own, _WHOLE), *_charged(parts, _PARTS)]
     ids = _ids(found.ids, evidence)
     if not ids:
         return _without_id(found, evidence)

@@ -29,14 +29,14 @@ class Evidence:
     share: float = 1.0
 
     def to_dict(self, *, diagnose: bool = False) -> dict[str, Any]:
-        """Return the fields, the id in hexadecimal; the bound in bands unless `diagnose`."""
+        """Return the fields, the id in hexadecimal; the bound in bands and the share rounded unless `diagnose`."""
         identity = None if self.id is None else format_id(self.id)
         bound = self.log10_false_positive
         return {
             "layer": self.layer,
             "id": identity,
             "log10_false_positive": bound if diagnose else band(bound),
-            "share": round(self.share, 4),
+            "share": self.share if diagnose else round(self.share, 2),
         }
 
 

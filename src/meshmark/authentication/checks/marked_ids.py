@@ -203,11 +203,12 @@ class _Reader:
     ) -> MarkedId:
         """Return the id with the points that its marks vouch for, and take the part in which they are dense."""
         read = read_marks(found, self.key, setting.layout, identity)
-        held = np.zeros(len(self.taken), bool)
-        held[found.vertex[read.holds & ~read.new_boundary]] = True
+        held, whole = np.zeros(len(self.taken), bool), np.zeros(len(self.taken), bool)
+        held[found.vertex[read.holds]] = True
+        whole[found.vertex[read.holds & ~read.new_boundary]] = True
         home = self._dense(held)
         self.taken = self.taken | home
-        return MarkedId(id=identity, log10_chance=0.0, points=vouched(parts, held & home) & home)
+        return MarkedId(id=identity, log10_chance=0.0, points=vouched(parts, whole & home) & home)
 
     def _dense(self, held: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """Return (p,): where marks that hold (p,) are about as dense as at most of them."""
