@@ -56,7 +56,7 @@ def test_copies_in_one_scene_are_named_each_with_the_scale_of_its_own():
 
 
 def test_a_small_marked_part_is_read_by_itself_in_a_scene_of_unmarked_ones():
-    part, around = other_copy(48).mesh, Mesh(*pebble(120))
+    part, around = other_copy(48).mesh, Mesh(*pebble(84))
     vertices = np.concatenate([around.vertices, 0.3 * part.vertices + [5.0, 0.0, 0.0]])
     scene = Mesh(vertices, np.concatenate([around.faces, part.faces + len(around.vertices)]))
     (found,) = marked_ids(surface_of(scene), KEY)

@@ -16,15 +16,16 @@ from math import log10
 import numpy as np
 from numpy.typing import NDArray
 
+from meshmark.authentication.checks.likeliest_id import likeliest_id
 from meshmark.authentication.checks.ring_reading import beyond_luck, chance_of, read_marks
 from meshmark.authentication.checks.setting_search import Setting, likeliest_setting, plain_candidates
-from meshmark.authentication.checks.sweep import able_rings, reported_id, sweep, vouched
+from meshmark.authentication.checks.sweep import able_rings, sweep, vouched
 from meshmark.authentication.marks.candidates import HEADER, Candidates, joined
 from meshmark.authentication.marks.ring_shapes import RingShapes, in_style, ring_shapes
 from meshmark.authentication.marks.rings import Rings
 from meshmark.authentication.marks.rings_of import rings_of
 from meshmark.authentication.marks.words import PURPOSE
-from meshmark.authentication.parameters import MARKED_LOG10
+from meshmark.authentication.parameters import MARKED_LOG10, TRIED_IDS
 from meshmark.coding.keys import Key
 from meshmark.geometry.components import connected_parts
 from meshmark.geometry.surface import Surface
@@ -34,6 +35,8 @@ __all__ = ["MarkedId", "marked_ids"]
 
 # Ids that are read of one surface at most, and connected components that are read on their own, the largest first.
 _MOST_IDS, _MOST_PARTS = 8, 6
+# Ids that are tried where pieces of an id are missing: of all that is left, and of a part of it.
+_TRIED, _FEWER_IDS = 1 << 16, 1 << 10
 # Fewer points than this do not carry an id; what is left is read where it is also this share of all.
 _LEAST, _WORTH_READING = 150, 0.02
 # Points that a component has that is read on its own.
@@ -61,7 +64,7 @@ def marked_ids(surface: Surface, key: Key) -> tuple[MarkedId, ...]:
 
     The bound of each is Chernoff's of the marks that carry no piece of an id, on the region where it was read: what
     they say depends on the id, so that pieces of several ids, mixed, prove nothing. It is multiplied by the ways to
-    read marks and, where this was the t-th region in which an id was looked for, by t (t + 1).
+    read marks, by the ids that were tried, and by t (t + 1) where this was the t-th region that was read.
 
     Parameters
     ----------
@@ -133,13 +136,13 @@ class _Reader:
             able[group.vertex] = able_rings(shape, setting)
         self.able = np.where(chosen, able, self.able)
         found = self._plain(parts, setting)
-        before = len(self.found)
-        while len(self.found) < _MOST_IDS:
+        before, swept = len(self.found), None
+        while len(self.found) < _MOST_IDS and (swept is not None or self._may_be_marked(found, setting)):
             one = self._one(found, setting, parts)
-            if one is None and len(self.found) == before:
-                swept = self._swept(found, setting, parts)
-                one = None if swept is None else self._one(swept, setting, parts)
-                found = found if swept is None else swept
+            if one is None and len(self.found) == before and swept is None:
+                swept = sweep(self.surface.points, parts, setting, self.key, nonce=None)
+                found = found if swept is None else swept.found
+                one = None if swept is None else self._one(found, setting, parts)
             if one is None:
                 break
             self.found.append(one)
@@ -157,16 +160,8 @@ class _Reader:
         subkey = self.key.subkey(PURPOSE)
         return joined([plain_candidates(self.surface.points, *part, setting, subkey) for part in parts])
 
-    def _swept(
-        self, found: Candidates, setting: Setting, parts: list[tuple[Rings, RingShapes]]
-    ) -> Candidates | None:
-        """Return all candidates where those `found` show that there may be marks, as in a rounded file."""
-        if not self._may_be_marked(found, setting):
-            return None
-        swept = sweep(self.surface.points, parts, setting, self.key, nonce=None)
-        return None if swept is None else swept.found
-
     def _may_be_marked(self, found: Candidates, setting: Setting) -> bool:
+        """Return whether more marks that tell an id hold than by luck."""
         header = found.take(found.kind == HEADER)
         read = read_marks(header, self.key, setting.layout, None)
         return beyond_luck(header, read.holds, setting.layout)
@@ -175,18 +170,17 @@ class _Reader:
         self, found: Candidates, setting: Setting, parts: list[tuple[Rings, RingShapes]]
     ) -> MarkedId | None:
         """Return the id that the first region has which reports one surely, and take its part from what is left."""
-        if not len(found.vertex) or not self._may_be_marked(found, setting):
-            return None
-        for region in _regions(found.centre, self._components_of(found)):
+        for number, region in enumerate(_regions(found.centre, self._components_of(found))):
             some = found.take(region)
             self._regions += 1
-            identity = reported_id(some, self.key, setting.layout)
+            most = _FEWER_IDS if number else _TRIED
+            identity, tried = likeliest_id(some, self.key, setting.layout, most)
             if identity is None:
                 continue
             rest = some.take(some.kind != HEADER)
             read = read_marks(rest, self.key, setting.layout, identity)
             chance = chance_of(rest, read.holds, setting.layout)
-            chance += log10(self._regions * (self._regions + 1))
+            chance += log10(self._regions * (self._regions + 1) * max(tried / TRIED_IDS, 1.0))
             if chance > MARKED_LOG10:
                 continue
             return replace(self._part_of(identity, found, setting, parts), log10_chance=min(chance, 0.0))

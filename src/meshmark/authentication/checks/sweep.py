@@ -26,7 +26,7 @@ from meshmark.authentication.parameters import Layout
 from meshmark.coding.keys import Key
 from meshmark.mesh import FloatArray, IntArray
 
-__all__ = ["Sweep", "able_rings", "reported_id", "sweep", "vouched"]
+__all__ = ["Sweep", "able_rings", "sweep", "vouched"]
 
 # A point counts as covered only where its ring could have had a mark by this much.
 _MARGIN = 1.1
@@ -78,7 +78,7 @@ def sweep(
     found = joined([plain_candidates(points, *part, setting, subkey) for part in parts])
     held = np.zeros(len(points), bool)
     blind = nonce is None and not setting.layout.pieces_only
-    identity = reported_id(found, key, setting.layout) if blind else nonce
+    identity = _reported_id(found, key, setting) if blind else nonce
     readable = identity is not None or not blind
     if readable:
         read = read_marks(found, key, setting.layout, identity, payload)
@@ -91,7 +91,7 @@ def sweep(
             for rows in [np.flatnonzero(again[group.vertex])]
         ]
         found = joined([found.take(~again[found.vertex]), *rest])
-        identity = reported_id(found, key, setting.layout) if blind else nonce
+        identity = _reported_id(found, key, setting) if blind else nonce
         if blind and identity is None:
             return None
         read = read_marks(found, key, setting.layout, identity, payload)
@@ -137,24 +137,24 @@ def _around(parts: _Parts, chosen: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return around
 
 
-def reported_id(found: Candidates, key: Key, layout: Layout) -> int | None:
+def _reported_id(found: Candidates, key: Key, setting: Setting) -> int | None:
     """Return the model's id as the marks report it; each point has one vote, whose ways to be read share it.
 
     Of the likely ones it is that with which most of the other marks hold.
     """
     tries = np.bincount(found.vertex)
     header = found.take(found.kind == HEADER)
-    read = read_marks(header, key, layout, None)
+    read = read_marks(header, key, setting.layout, None)
     header, symbol = header.take(read.holds), read.symbol[read.holds]
-    likely = read_header(header.index, symbol, 1.0 / tries[header.vertex], layout.symbol)
+    likely = read_header(header.index, symbol, 1.0 / tries[header.vertex], setting.layout.symbol)
     rest = np.flatnonzero(found.kind != HEADER)
     some = found.take(rest[:: max(len(rest) // _SAMPLE, 1)])
     if not likely:
         return None
     few = some.take(np.arange(0, len(some.vertex), _SCREENED))
-    held = _held(few, key, layout, likely)
+    held = _held(few, key, setting.layout, likely)
     likely = [likely[each] for each in np.flatnonzero(held >= held.max() / 2 - _BY_LUCK)]
-    return likely[int(_held(some, key, layout, likely).argmax())] if len(likely) > 1 else likely[0]
+    return likely[int(_held(some, key, setting.layout, likely).argmax())] if len(likely) > 1 else likely[0]
 
 
 def _held(found: Candidates, key: Key, layout: Layout, likely: list[int]) -> IntArray:
