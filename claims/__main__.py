@@ -22,6 +22,7 @@ COMMANDS = {
     "code": "docs/decisions/0004-code.md",
     "compressed_gltf": "docs/decisions/0002-compressed-gltf.md",
     "costa": "docs/results/ownership.md",
+    "crops_and_mosaics": "docs/results/crops.md",
     "demodulator": "docs/claims.md",
     "embed_speed": "docs/claims.md",
     "false_alarms": "docs/decisions/0008-authentication-marks.md",
@@ -50,8 +51,9 @@ COMMANDS = {
     "web_exports": "docs/decisions/0023-tolerance-web.md",
 }
 ALONE = {
-    "authenticate_speed", "by_hand", "coarse", "compressed_gltf", "costa", "false_alarms", "hostile",
-    "lattice_labels", "princeton", "published", "registration", "rivals_sanity", "same_behaviour", "web_exports",
+    "authenticate_speed", "by_hand", "coarse", "compressed_gltf", "costa", "crops_and_mosaics", "false_alarms",
+    "hostile", "lattice_labels", "princeton", "published", "registration", "rivals_sanity", "same_behaviour",
+    "web_exports",
 }  # fmt: skip
 
 

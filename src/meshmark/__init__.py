@@ -103,7 +103,7 @@ _HOME = {
     "compare": "metrics",
     "embed": "marking.both_layers",
     "embed_file": "marking.marked_file",
-    "extract": "ownership.extraction",
+    "extract": "marking.both_layers_extraction",
     "read_mesh": "io",
     "recover": "authentication.part_recovery",
     "segment": "segmentation",

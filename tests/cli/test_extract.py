@@ -14,6 +14,8 @@ EXTRACT = {
     "presence", "id", "log10_false_positive", "mode", "advice", "seconds", "evidence",
 }  # fmt: skip
 
+LAYERS = ("authentication", "cells")
+
 
 def test_extract_reads_the_id_and_exits_with_0(cli, files):
     ran = cli("extract", files.marked, "--key", files.key, "--json")
@@ -22,7 +24,9 @@ def test_extract_reads_the_id_and_exits_with_0(cli, files):
     assert found.keys() >= EXTRACT
     assert (found["presence"], found["id"], found["mode"]) == ("present", IDENTITY, "blind")
     assert found["log10_false_positive"] == -30.0
-    assert found["evidence"] == [{"layer": "cells", "id": IDENTITY, "log10_false_positive": -30.0}]
+    said = [{"layer": layer, "id": IDENTITY, "log10_false_positive": -30.0} for layer in LAYERS]
+    assert [{name: entry[name] for name in said[0]} for entry in found["evidence"]] == said
+    assert [entry["share"] > 0.95 for entry in found["evidence"]] == [True, True]
     assert IDENTITY in cli("extract", files.marked, "--key", files.key).out
 
 

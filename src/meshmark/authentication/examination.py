@@ -15,6 +15,7 @@ from meshmark.authentication.checks.carried import Expected, Reading
 from meshmark.authentication.checks.checks import Checks, check
 from meshmark.authentication.checks.coarse_digits import coarse_digits
 from meshmark.authentication.marks.precision import precision_of
+from meshmark.authentication.parameters import MARKED_LOG10
 from meshmark.authentication.payload.payload import Payload, decode, unpack
 from meshmark.authentication.payload.signed_totals import Whole, points_distinct, points_shown, unmarked_parts
 from meshmark.certificate.binding import mismatch, refuse_edited
@@ -30,10 +31,8 @@ from meshmark.scene.surfaces import marked_surface, mirrored, unfolded
 
 __all__ = ["DOUBTFUL_LOG10", "MARKED_LOG10", "Examination", "examine"]
 
-MARKED_LOG10 = -9.0
-"""Marks are there where the chance of as many without the key is below 10 to this."""
 DOUBTFUL_LOG10 = -4.0
-"""Between the two nothing is said."""
+"""Between this and `MARKED_LOG10` nothing is said."""
 # Area is missing where it is off by more than this number of deviations of the scale.
 _SURE = 3.0
 # Points that a grid of 14 bits may make one.

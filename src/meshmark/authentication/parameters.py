@@ -15,6 +15,7 @@ __all__ = [
     "HASH_STEP",
     "HASH_STEPS",
     "LEVELS",
+    "MARKED_LOG10",
     "PSNR_LEAST",
     "PSNR_WANTED",
     "REACH",
@@ -159,3 +160,5 @@ STYLES: Final = (FINE, WEB, SMALL)
 TRIED_IDS: Final = 32
 # Ways to read marks that are tried: ids, levels of the step and layouts.
 WAYS: Final = TRIED_IDS * len(LEVELS) * sum(len(style.layouts) for style in STYLES)
+# Marks are there where the chance of as many without the key is below 10 to this.
+MARKED_LOG10: Final = -9.0

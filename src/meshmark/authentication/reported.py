@@ -1,13 +1,11 @@
-"""The id that marks of authentication report where the ownership layer reports none."""
+"""What the marks of authentication report, as evidence of a mark, beside what the ownership layer says."""
 
 from __future__ import annotations
 
-from dataclasses import replace
-from math import log10
+from collections.abc import Sequence
 
-from meshmark.authentication.checks.checks import check
-from meshmark.authentication.examination import MARKED_LOG10
-from meshmark.certificate.binding import mismatch
+from meshmark.authentication.checks.marked_ids import marked_ids
+from meshmark.authentication.one_answer import one_answer
 from meshmark.certificate.certificate import Certificate
 from meshmark.coding.chance import believable
 from meshmark.coding.keys import Key
@@ -15,43 +13,45 @@ from meshmark.geometry.surface_of import surface_of
 from meshmark.mesh import Mesh
 from meshmark.ownership.extraction_result import Evidence, Extraction
 
-__all__ = ["marks_evidence", "with_marks"]
+__all__ = ["evidence_of_marks", "marks_evidence", "with_marks"]
 
-_LAYERS = 2
+
+def evidence_of_marks(mesh: Mesh, key: Key) -> tuple[Evidence, ...]:
+    """Return what the marks of authentication of a mesh report, id by id, that with the largest part first.
+
+    Empty where none of this key are surely there. The bound of each is that of `marked_ids`; its share is the area
+    of the points that its marks vouch for, over that of the surface. Raises `InputError` where the mesh has no
+    surface.
+    """
+    surface = surface_of(mesh)
+    areas = surface.point_areas
+    return tuple(
+        Evidence(
+            layer="authentication",
+            id=each.id,
+            log10_false_positive=believable(each.log10_chance),
+            share=min(float(areas[each.points].sum() / areas.sum()), 1.0),
+        )
+        for each in marked_ids(surface, key)
+    )
 
 
 def marks_evidence(mesh: Mesh, key: Key) -> Evidence | None:
-    """Return what the marks of authentication of a mesh report, None where none of this key are surely there.
-
-    Raises `InputError` where the mesh has no surface.
-    """
-    checks = check(surface_of(mesh), key)
-    if checks.nonce is None or checks.log10_chance > MARKED_LOG10:
-        return None
-    bound = believable(checks.log10_chance)
-    return Evidence(layer="authentication", id=checks.nonce, log10_false_positive=bound)
+    """Return the first of `evidence_of_marks`, None where there is none."""
+    return next(iter(evidence_of_marks(mesh, key)), None)
 
 
 def with_marks(
-    found: Extraction, mesh: Mesh, key: Key, reference: Certificate | Mesh | None = None
+    found: Extraction,
+    mesh: Mesh,
+    key: Key,
+    reference: Certificate | Mesh | None = None,
+    marks: Sequence[Evidence] | None = None,
 ) -> Extraction:
-    """Return what was extracted from a mesh, where that has no id with the one that authentication marks report.
+    """Return the one answer of what was extracted from a mesh and of its marks of authentication (`one_answer`).
 
-    The bound is then that of the marks, doubled because two layers were looked at. reference: that the extraction
-    had; the advice says where it is a certificate of another mark.
+    reference: that the extraction had; the advice says where it is a certificate of another mark. marks: what they
+    report, read where it is not given.
     """
-    marks = None if found.ids else marks_evidence(mesh, key)
-    if marks is None or marks.id is None:
-        return found
-    remark = mismatch(reference, key, marks.id) if isinstance(reference, Certificate) else None
-    beside = "is too damaged to read" if found.evidence else "was not found"
-    return replace(
-        found,
-        presence="present",
-        id=marks.id,
-        ids=(marks.id,),
-        log10_false_positive=min(believable(marks.log10_false_positive + log10(_LAYERS)), 0.0),
-        evidence=(*found.evidence, marks),
-        advice=f"The id was read from the authentication marks; the ownership mark {beside}. "
-        f"`meshmark authenticate` tells which parts are as they were signed off.{f' {remark}' if remark else ''}",
-    )
+    read = evidence_of_marks(mesh, key) if marks is None else marks
+    return one_answer(found, read, key=key, reference=reference)

@@ -67,12 +67,13 @@ def extract(
 
     Neither the original nor the id is needed, and IN may have been turned, resized, converted, roughened,
     smoothed or simplified. In a part of a model, or in a copy damaged more, the mark is found with the
-    certificate that was made at embedding, or with the original. Where the authentication marks alone are left,
-    they tell the id. Less of a mark is enough where the ids that were given out are listed with --among, and an
-    average of copies names those of them that it was made of; without the list, of two copies only. With
-    --registry the certificates and ids of likely originals are looked up there, and the recipient is named.
+    certificate that was made at embedding, or with the original. Where the authentication marks alone are left, as
+    in a part of a model, they tell the id; where parts of IN carry different ids, all are named. Less of a mark is
+    enough where the ids that were given out are listed with --among, and an average of copies names those of them
+    that it was made of; without the list, of two copies only. With --registry the certificates and ids of likely
+    originals are looked up there, and the recipient is named.
 
-    Exit code 0: present, and the id is printed, or the ids of an average of copies; 1: absent; 3: inconclusive.
+    Exit code 0: present, and the id is printed, or the ids where there are several; 1: absent; 3: inconclusive.
     """
     from meshmark.coding.keys import Key
 
@@ -91,13 +92,11 @@ def extract(
             traced = trace(mesh, secret, opened, search=search.value, time_limit=time_limit)
             found, recipients = traced.extraction, [each.recipient for each in traced.matches]
         else:
-            from meshmark.authentication.reported import with_marks
             from meshmark.marking import extract as find
 
             found = find(
                 mesh, secret, reference=reference, search=search.value, time_limit=time_limit, among=ids
             )
-            found = with_marks(found, mesh, secret, reference)
             recipients = [] if opened is None else opened.recipients(found.ids, secret.fingerprint)
     fields = described(found.to_dict(diagnose=diagnose), model, key=secret)
     named_ones = [each for each in recipients if each is not None]

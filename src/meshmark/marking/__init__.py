@@ -11,10 +11,10 @@ if TYPE_CHECKING:
     from meshmark.authentication.verdict import Authentication, authenticate
     from meshmark.certificate.certificate import Certificate
     from meshmark.marking.both_layers import embed
+    from meshmark.marking.both_layers_extraction import extract
     from meshmark.marking.embedding_result import AuthenticationMark, Embedding
     from meshmark.marking.marked_file import embed_file
     from meshmark.marking.undo import Unmarked, unmark
-    from meshmark.ownership.extraction import extract
     from meshmark.ownership.extraction_result import Evidence, Extraction
     from meshmark.ownership.ownership_mark import OwnershipMark
 
@@ -49,7 +49,7 @@ _HOME = {
     "authenticate": "authentication.verdict",
     "embed": "marking.both_layers",
     "embed_file": "marking.marked_file",
-    "extract": "ownership.extraction",
+    "extract": "marking.both_layers_extraction",
     "recover": "authentication.part_recovery",
     "unmark": "marking.undo",
 }

@@ -23,7 +23,7 @@ from meshmark.ownership.search.trials import OutOfTimeError, TrialCounter
 from meshmark.scene.surfaces import surfaces_to_read
 from meshmark.threads import on_one_thread
 
-__all__ = ["MODES", "extract", "find"]
+__all__ = ["MODES", "checked_request", "extract", "find"]
 
 MODES = {type(None): "blind", Certificate: "certificate", Mesh: "original"}
 
@@ -71,12 +71,7 @@ def extract(
         was edited, or the mesh has no surface.
     """
     start = perf_counter()
-    if search not in EFFORTS:
-        raise InputError(f"unknown search '{search}', expected one of {', '.join(EFFORTS)}")
-    if time_limit is not None and not time_limit > 0.0:
-        raise InputError(f"a time limit of {time_limit:g} seconds is out of range, expected more than 0")
-    if isinstance(reference, Certificate):
-        refuse_edited(reference, key)
+    checked_request(key, reference, search=search, time_limit=time_limit)
     surfaces = surfaces_to_read(mesh, cut=cut)
     found = find(
         Search(
@@ -92,6 +87,18 @@ def extract(
     result = extraction_of(found, Codec(key), MODES[type(reference)], perf_counter() - start)
     remark = mismatch(reference, key, result.id) if isinstance(reference, Certificate) else None
     return result if remark is None else replace(result, advice=f"{result.advice} {remark}")
+
+
+def checked_request(
+    key: Key, reference: Certificate | Mesh | None, *, search: str, time_limit: float | None
+) -> None:
+    """Raise `InputError` where the search is unknown, the time limit not above 0, or the certificate was edited."""
+    if search not in EFFORTS:
+        raise InputError(f"unknown search '{search}', expected one of {', '.join(EFFORTS)}")
+    if time_limit is not None and not time_limit > 0.0:
+        raise InputError(f"a time limit of {time_limit:g} seconds is out of range, expected more than 0")
+    if isinstance(reference, Certificate):
+        refuse_edited(reference, key)
 
 
 def find(search: Search, chosen: Callable[[Strategy], bool] | None = None) -> Found:

@@ -20,20 +20,23 @@ class Evidence:
 
     layer: "cells" or "points" (the ownership layer), or "authentication"; id: the 64-bit id, None where there is a
     mark whose id cannot be read. log10_false_positive: bound on the chance of this without a mark of this key.
+    share: of the surface, 0 to 1: what marks of authentication vouch for, what was read of the ownership layer.
     """
 
     layer: str
     id: int | None
     log10_false_positive: float
+    share: float = 1.0
 
     def to_dict(self, *, diagnose: bool = False) -> dict[str, Any]:
-        """Return the fields, the id in hexadecimal; the bound in bands unless `diagnose`."""
+        """Return the fields, the id in hexadecimal; the bound in bands and the share rounded unless `diagnose`."""
         identity = None if self.id is None else format_id(self.id)
         bound = self.log10_false_positive
         return {
             "layer": self.layer,
             "id": identity,
             "log10_false_positive": bound if diagnose else band(bound),
+            "share": self.share if diagnose else round(self.share, 2),
         }
 
 
@@ -42,13 +45,14 @@ class Extraction:
     """What was read from a mesh.
 
     presence: "present", "absent" or "inconclusive"; id: the 64-bit id, or None where none or several were read;
-    ids: all that were read, several of an average of copies.
+    ids: all that were read, several of an average of copies, or where parts of the surface carry different ones.
     log10_false_positive: bound on the chance of this answer without a mark of this key, over all that was tried.
     mode: "blind", "certificate", "original" or "registry". carriers: cells, or coordinates of points,
     that were read; carriers_agreeing: those whose bit is the decoded one's.
     lock_score: weighted mean cosine of the phases by which the lattice is locked (`CellKeys`), 1 where all cells
     lie on the quantiser's points, about 0 without a mark.
-    advice: one sentence for the reader. evidence: what layers say of a mark, none where it is absent.
+    advice: one sentence for the reader. evidence: what each layer says of a mark, and of which part of the surface,
+    none where it is absent.
     """
 
     presence: str

@@ -16,10 +16,12 @@ from meshmark.authentication.parameters import WAYS, Layout
 from meshmark.coding.keys import Key
 from meshmark.mesh import FloatArray, IntArray
 
-__all__ = ["Read", "chance_of", "read_marks", "window_of"]
+__all__ = ["Read", "beyond_luck", "chance_of", "read_marks", "window_of"]
 
 # A mark may be this number of steps from its whole place, and a number of times the median of all more.
 _WINDOW = 0.12
+# Nats beyond luck at which marks are worth a closer look: one surface in 30 without any has them.
+_WORTH = 3.5
 # Odd numbers that make three whole places into one.
 _MIX = np.array([0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9, 0x94D049BB133111EB], np.uint64)
 
@@ -96,13 +98,26 @@ def chance_of(found: Candidates, holds: NDArray[np.bool_], layout: Layout) -> fl
     Points that lie alike in rings that are alike count once: their marks hold or fail together. How many are tried
     depends on what holds, so all numbers of tries count.
     """
+    total, nats = _against_luck(found, holds, layout)
+    return min(0.0, log10(WAYS * max(total, 1)) - nats / log(10.0))
+
+
+def beyond_luck(found: Candidates, holds: NDArray[np.bool_], layout: Layout) -> bool:
+    """Return whether more marks hold than luck alone lets hold in one of some 30 surfaces.
+
+    What fails this needs no further reading: it is far from `chance_of` being small.
+    """
+    return _against_luck(found, holds, layout)[1] > _WORTH
+
+
+def _against_luck(found: Candidates, holds: NDArray[np.bool_], layout: Layout) -> tuple[int, float]:
+    """Return how many different marks were tried, and the exponent (nats) of Chernoff's bound."""
     cells = found.whole.view(np.uint64) @ _MIX
     tries = found.words[:, 0] ^ cells
     total, held = len(np.unique(tries)), len(np.unique(tries[holds]))
     luck = 2.0**-layout.check
     share = held / max(total, 1)
     if share <= luck:
-        return 0.0
+        return total, 0.0
     rest = 0.0 if share >= 1.0 else (1.0 - share) * log((1.0 - share) / (1.0 - luck))
-    nats = total * (share * log(share / luck) + rest)
-    return min(0.0, log10(WAYS * total) - nats / log(10.0))
+    return total, total * (share * log(share / luck) + rest)

@@ -81,11 +81,18 @@ class Setting:
 
 
 def likeliest_setting(
-    points: FloatArray, rings: list[Rings], shapes: list[RingShapes], key: Key, nonce: int | None
+    points: FloatArray,
+    rings: list[Rings],
+    shapes: list[RingShapes],
+    key: Key,
+    nonce: int | None,
+    *,
+    likely_only: bool = False,
 ) -> Setting | None:
     """Return the step and layout under which most marks of a sample hold.
 
-    Steps that suit the surface's size are tried first, all others where they are not clearly right.
+    Steps that suit the surface's size are tried first, all others where they are not clearly right, unless
+    `likely_only`.
     """
     total = sum(len(group.vertex) for group in rings)
     every = max(total // (_SAMPLE_BLIND if nonce is None else _SAMPLE), 1)
@@ -112,6 +119,8 @@ def likeliest_setting(
             and _inside(best, finest, near)
         ):
             return best
+    if likely_only:
+        return None
     every_level = [np.tile(np.array(LEVELS), (len(group.vertex), 1)) for group, _ in sample]
     found = []
     for style in STYLES:

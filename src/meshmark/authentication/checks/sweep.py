@@ -26,7 +26,7 @@ from meshmark.authentication.parameters import Layout
 from meshmark.coding.keys import Key
 from meshmark.mesh import FloatArray, IntArray
 
-__all__ = ["Sweep", "sweep", "vouched"]
+__all__ = ["Sweep", "able_rings", "sweep", "vouched"]
 
 # A point counts as covered only where its ring could have had a mark by this much.
 _MARGIN = 1.1
@@ -73,7 +73,7 @@ def sweep(
     """
     able = np.zeros(len(points), bool)
     for group, shape in parts:
-        able[group.vertex] = _able(shape, setting)
+        able[group.vertex] = able_rings(shape, setting)
     subkey = key.subkey(PURPOSE)
     found = joined([plain_candidates(points, *part, setting, subkey) for part in parts])
     held = np.zeros(len(points), bool)
@@ -110,7 +110,7 @@ def sweep(
     return Sweep(found=found, read=read, nonce=identity, able=able, rounded=rounded)
 
 
-def _able(shape: RingShapes, setting: Setting) -> NDArray[np.bool_]:
+def able_rings(shape: RingShapes, setting: Setting) -> NDArray[np.bool_]:
     """Return (r,): which rings could carry a mark, of whatever level they may have had."""
     able = eligible(shape, setting.unit, setting.layout.levels, _MARGIN)
     level = np.floor(level_of(shape, setting.unit))

@@ -17,6 +17,7 @@ __all__ = [
     "directions",
     "fine_period",
     "header_symbols",
+    "ids_of_votes",
     "is_fine",
     "outvoted",
     "pieces_of_id",
@@ -26,6 +27,8 @@ __all__ = [
 ]
 
 ID_BITS = 64
+# Ids up to which second values of pieces are taken.
+_DOUBTED = 512
 # The period of fine places is the extent over 2 to this: a shift that coarse ones can tell, and more steps finer.
 _PERIOD_BITS = 6
 
@@ -47,11 +50,7 @@ def read_header(
     where more pieces have no symbol.
     """
     width = _width(symbol_bits)
-    count = ID_BITS // width
-    piece = index.astype(np.int64) % count
-    votes = np.zeros((count, 1 << width))
-    in_range = symbols < 1 << width
-    np.add.at(votes, (piece[in_range], symbols[in_range]), weight[in_range])
+    votes = _votes(index, symbols, weight, width)
     if (~votes.any(axis=1)).sum() > 1:
         return []
     order = np.argsort(-votes, axis=1, kind="stable")
@@ -63,6 +62,41 @@ def read_header(
         chosen[weak], chosen[second] = value, other
         found.append(sum(int(each) << width * place for place, each in enumerate(chosen)))
     return found
+
+
+def ids_of_votes(
+    index: NDArray[np.uint32], symbols: IntArray, weight: FloatArray, symbol_bits: int, most: int
+) -> NDArray[np.uint64]:
+    """Return the ids (k,) that symbols (c,) may report: for each piece the value with the most weight (c,).
+
+    For pieces without a symbol all values, in all combinations; empty where these are more than `most`. While ids
+    are fewer than `_DOUBTED`, the second value is taken, too, of the pieces that are least sure.
+    """
+    width = _width(symbol_bits)
+    votes = _votes(index, symbols, weight, width)
+    order = np.asarray(np.argsort(-votes, axis=1, kind="stable"), np.uint64)
+    ranked = -np.sort(-votes, axis=1)
+    voted = [bool(row.any()) for row in votes]
+    if (1 << width) ** voted.count(False) > most:
+        return np.empty(0, np.uint64)
+    choices = [order[piece, : 1 if voted[piece] else None] for piece in range(len(votes))]
+    for piece in np.argsort(2.0 * ranked[:, 0] - ranked[:, 1], kind="stable"):
+        if voted[piece] and 2 * np.prod([float(len(each)) for each in choices]) <= min(_DOUBTED, most):
+            choices[piece] = order[piece, :2]
+    ids = np.zeros(1, np.uint64)
+    for place, values in enumerate(choices):
+        ids = (ids[:, None] | values << np.uint64(width * place)).ravel()
+    return ids
+
+
+def _votes(index: NDArray[np.uint32], symbols: IntArray, weight: FloatArray, width: int) -> FloatArray:
+    """Return (pieces, values): the weight (c,) of the symbols that say each value of each piece."""
+    count = ID_BITS // width
+    votes = np.zeros((count, 1 << width))
+    in_range = symbols < 1 << width
+    piece = index.astype(np.int64) % count
+    np.add.at(votes, (piece[in_range], symbols[in_range]), weight[in_range])
+    return votes
 
 
 def outvoted(

@@ -22,16 +22,16 @@ PURPOSE = "authentication marks"
 _BOUND = "authentication marks of one model"
 
 
-def bind(found: Candidates, key: Key, nonce: int | None) -> NDArray[np.uint64]:
+def bind(found: Candidates, key: Key, nonce: int | NDArray[np.uint64] | None) -> NDArray[np.uint64]:
     """Return (c, 3): factor, summand and mask of each candidate; those of headers do not depend on the nonce.
 
-    Without a nonce the others are meaningless.
+    nonce: of all, or (c,) of each. Without one the others are meaningless.
     """
     bound = found.words[:, 3:6].copy()
     rows = np.flatnonzero(found.kind != HEADER)
     if nonce is not None and len(rows):
         ring = found.words[rows][:, [0, 3, 4]].view(np.int64)
-        model = np.full((len(rows), 1), nonce, np.uint64).view(np.int64)
+        model = np.broadcast_to(np.asarray(nonce, np.uint64), len(bound))[rows, None].view(np.int64)
         bound[rows] = cell_words(key.subkey(_BOUND), np.concatenate([model, ring], axis=1), 3)
     return bound
 
