@@ -27,8 +27,9 @@ SMALL = 5_000
 FRAIL_NOISE = 1e-4
 # Of the training models tried none tougher than this lost its id to the noise (`OwnershipMark.toughness`).
 FIRM = 0.5
-# On larger ones planes are left alone where the mark still bears this share of the noise that it would bear.
-TOUGH = 0.7
+# On larger ones planes are left alone where the mark still bears this share of the noise that it would bear; where
+# they are more than this share of the surface, it never did on training models.
+TOUGH, MOSTLY_PLANE = 0.7, 0.4
 
 
 @on_one_thread
@@ -81,7 +82,7 @@ def embed(
 def _marked(task: EmbeddingTask) -> Owned:
     """Return the mark in cells beside the plane parts, in all cells, or in points, whichever suits the surface."""
     small = len(task.surface.points) <= SMALL
-    flat = _beside_planes(task)
+    flat = _beside_planes(task) if small or task.planes.share <= MOSTLY_PLANE else None
     if flat is not None and small and not _is_frail(task, flat):
         return flat
     try:
