@@ -77,7 +77,7 @@ def test_a_part_that_was_marked_by_itself_is_read_in_its_assembly(efforts):
     (entry,) = found.evidence
     assert entry.layer == "cells"
     assert 0.1 < entry.share < 0.3
-    assert efforts == ["quick", "plain", "plain"]
+    assert efforts == ["quick"]
 
 
 def test_layers_with_different_ids_give_both():

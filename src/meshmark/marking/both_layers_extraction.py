@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from math import log10
 from time import monotonic, perf_counter
@@ -13,13 +13,19 @@ from meshmark.authentication.one_answer import one_answer
 from meshmark.authentication.reported import evidence_of_marks
 from meshmark.certificate.certificate import Certificate
 from meshmark.coding.chance import believable
+from meshmark.coding.codec import Codec
 from meshmark.coding.keys import Key
 from meshmark.geometry.components import connected_components
 from meshmark.geometry.surface import Surface
+from meshmark.geometry.surface_of import surface_of
 from meshmark.mesh import Mesh
-from meshmark.ownership.extraction import checked_request
+from meshmark.ownership.answer import extraction_of
+from meshmark.ownership.extraction import checked_request, find
 from meshmark.ownership.extraction import extract as extract_ownership
 from meshmark.ownership.extraction_result import Evidence, Extraction
+from meshmark.ownership.search.search import Search
+from meshmark.ownership.search.strategies import Strategy
+from meshmark.ownership.search.trials import TrialCounter
 from meshmark.scene.surfaces import marked_surface
 from meshmark.threads import on_one_thread
 
@@ -108,6 +114,7 @@ def _left(end: float | None) -> float | None:
 def _parts(mesh: Mesh, key: Key, end: float | None, among: Sequence[int]) -> Iterator[Evidence]:
     """Yield what the ownership layer of large connected components says, each read as it stands.
 
+    Of its two kinds of carriers only that is read which an embedding into the component would try first.
     The bound of the t-th is multiplied by t (t + 1), for all of them together.
     """
     surface = marked_surface(mesh)
@@ -122,8 +129,14 @@ def _parts(mesh: Mesh, key: Key, end: float | None, among: Sequence[int]) -> Ite
         if end is not None and monotonic() >= end:
             return
         chosen = of_face == component
-        part = _mesh_of(surface, chosen)
-        found = extract_ownership(part, key, search="plain", time_limit=_left(end), among=among)
+        search = Search(
+            surface=surface_of(_mesh_of(surface, chosen)),
+            key=key,
+            effort="plain",
+            trials=TrialCounter(_left(end)),
+            among=tuple(dict.fromkeys(among)),
+        )
+        found = extraction_of(find(search, _first_to_try(search)), Codec(key), "blind", 0.0)
         charge = log10(trial * (trial + 1))
         for entry in found.evidence:
             yield replace(
@@ -131,6 +144,12 @@ def _parts(mesh: Mesh, key: Key, end: float | None, among: Sequence[int]) -> Ite
                 log10_false_positive=believable(entry.log10_false_positive + charge),
                 share=float(areas[chosen].sum() / areas.sum()),
             )
+
+
+def _first_to_try(search: Search) -> Callable[[Strategy], bool]:
+    """Return which strategy reads the carriers that an embedding into the surface would try first."""
+    name = "points as they stand" if search.suits_points else "as it stands"
+    return lambda strategy: strategy.name == name
 
 
 def _mesh_of(surface: Surface, chosen: np.ndarray) -> Mesh:
