@@ -85,7 +85,9 @@ def test_authentication_alone_moves_little_and_carries_bytes(model):
     assert (found.verdict, found.payload) == ("authentic", "recovered")
     assert found.content is not None
     assert (found.content.kind, found.content.content) == ("bytes", content)
-    assert extract(result.mesh, KEY).presence == "absent"
+    told = extract(result.mesh, KEY)
+    assert (told.presence, told.id) == ("present", ID)
+    assert [entry.layer for entry in told.evidence] == ["authentication"]
 
 
 def test_a_file_is_carried_and_images_are_known(model, tmp_path):

@@ -24,13 +24,13 @@ def evidence_of_marks(mesh: Mesh, key: Key) -> tuple[Evidence, ...]:
     surface.
     """
     surface = surface_of(mesh)
-    areas = surface.point_areas
+    shares = surface.point_shares
     return tuple(
         Evidence(
             layer="authentication",
             id=each.id,
             log10_false_positive=believable(each.log10_chance),
-            share=min(float(areas[each.points].sum() / areas.sum()), 1.0),
+            share=min(float(shares[each.points].sum()), 1.0),
         )
         for each in marked_ids(surface, key)
     )

@@ -145,8 +145,7 @@ def authenticate(mesh: Mesh, key: Key, *, reference: Certificate | Mesh | None =
     if verdict == "authentic" and causes:
         verdict = "surface_intact"
     altered = found.altered if verdict == "altered" else np.zeros(len(found.surface.points), bool)
-    areas = found.surface.point_areas
-    share = float(areas[altered].sum() / areas.sum())
+    share = float(found.surface.point_shares[altered].sum())
     draw = partial(region_map, mesh, found, altered)
     if found.marked and altered.any():
         drawn = draw()

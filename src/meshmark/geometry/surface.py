@@ -73,6 +73,13 @@ class Surface:
         return vertex_areas(self.points, self.faces)
 
     @cached_property
+    def point_shares(self) -> FloatArray:
+        """(p,) `point_areas` over the area of the whole; in any unit, even where areas are beyond floats."""
+        tiny = np.finfo(float).tiny
+        areas = vertex_areas(self.points / max(self.diagonal, tiny), self.faces)
+        return np.asarray(areas / max(float(areas.sum()), tiny))
+
+    @cached_property
     def diagonal(self) -> float:
         """Diagonal of the bounding box of the points that faces use."""
         return diagonal(self.points, self.faces)

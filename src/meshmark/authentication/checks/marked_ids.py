@@ -118,7 +118,7 @@ class _Reader:
             points = known.points | each.points
             chance = min(known.log10_chance, each.log10_chance)
             by_id[each.id] = MarkedId(id=each.id, log10_chance=chance, points=points)
-        areas = self.surface.point_areas
+        areas = self.surface.point_shares
         return tuple(sorted(by_id.values(), key=lambda each: -float(areas[each.points].sum())))
 
     def read(self, chosen: NDArray[np.bool_], *, likely_only: bool = False) -> bool:
