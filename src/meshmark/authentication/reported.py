@@ -9,6 +9,7 @@ from meshmark.authentication.one_answer import one_answer
 from meshmark.certificate.certificate import Certificate
 from meshmark.coding.chance import believable
 from meshmark.coding.keys import Key
+from meshmark.errors import InputError
 from meshmark.geometry.surface_of import surface_of
 from meshmark.mesh import Mesh
 from meshmark.ownership.extraction_result import Evidence, Extraction
@@ -24,6 +25,8 @@ def evidence_of_marks(mesh: Mesh, key: Key) -> tuple[Evidence, ...]:
     surface.
     """
     surface = surface_of(mesh)
+    if not surface.point_shares.any():
+        raise InputError("the model has no surface: all its faces have zero area")
     shares = surface.point_shares
     return tuple(
         Evidence(

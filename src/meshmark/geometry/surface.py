@@ -75,6 +75,8 @@ class Surface:
     @cached_property
     def point_shares(self) -> FloatArray:
         """(p,) `point_areas` over the area of the whole; in any unit, even where areas are beyond floats."""
+        if not len(self.faces):
+            return np.zeros(len(self.points))
         tiny = np.finfo(float).tiny
         areas = vertex_areas(self.points / max(self.diagonal, tiny), self.faces)
         return np.asarray(areas / max(float(areas.sum()), tiny))
