@@ -13,18 +13,16 @@ Figures of docs/results/coarse.md.
 
 from __future__ import annotations
 
-import argparse
-import csv
 import hashlib
 import sys
 from collections.abc import Iterable, Sequence
-from pathlib import Path
-from time import monotonic, process_time
+from time import process_time
 
 import numpy as np
 
 from claims.models import DATA, SIZE_CLASSES, load, size_class
-from claims.princeton import models_of, read_rows
+from claims.princeton import models_of
+from claims.resumable import measure, parser_of
 from meshmark.attacks import parse_chain
 from meshmark.authentication.checks.checks import check
 from meshmark.certificate.certificate import Certificate
@@ -258,35 +256,8 @@ def _spread(rows: Sequence[dict[str, str]], title: str, *, lowest: bool = False)
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Measure what is left, and print the tables."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("rows", type=Path)
-    parser.add_argument("--split", default="test", choices=["train", "test"])
-    parser.add_argument("--limit", type=int)
-    parser.add_argument("--minutes", type=float, default=float("inf"))
-    parser.add_argument("--least", type=int, default=40)
-    parser.add_argument("--tables", action="store_true")
-    options = parser.parse_args(arguments)
-    known = {row["model"] for row in read_rows(options.rows)}
-    end = monotonic() + 60.0 * options.minutes
-    models = list(models_of([options.split]))[: options.limit]
-    fresh = not options.rows.exists() or not options.rows.stat().st_size
-    with options.rows.open("a", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, COLUMNS)
-        if fresh:
-            writer.writeheader()
-        for model in models if not options.tables else ():
-            if model in known or monotonic() > end:
-                continue
-            try:
-                if len(surface_of(load(DATA / model)).points) < options.least:
-                    continue
-                writer.writerow(row_of(model))
-            except MeshmarkError as error:
-                print(f"{model}: {error}", file=sys.stderr)
-            file.flush()
-    print(tables(read_rows(options.rows)))
+    options = parser_of(__doc__, 40).parse_args(arguments)
+    print(tables(measure(options, COLUMNS, models_of([options.split]), row_of)))
     return 0
 
 

@@ -15,22 +15,19 @@ Figures of docs/results/crops.md.
 
 from __future__ import annotations
 
-import argparse
-import csv
 import hashlib
 import sys
 from collections.abc import Sequence
-from pathlib import Path
-from time import monotonic, process_time
+from functools import partial
+from time import process_time
 
 import numpy as np
 
 from claims.models import DATA, SIZE_CLASSES, load, size_class
-from claims.princeton import read_rows
+from claims.resumable import measure, parser_of
 from meshmark.attacks import parse_chain
 from meshmark.coding.keys import Key
-from meshmark.errors import CapacityError, MeshmarkError
-from meshmark.geometry.surface_of import surface_of
+from meshmark.errors import CapacityError
 from meshmark.marking import Extraction, embed, extract
 from meshmark.mesh import Mesh
 from meshmark.research.benchmark.run.model_files import find_models, spread
@@ -132,37 +129,12 @@ def _median(values: Sequence[str]) -> str:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Measure what is left, and print the tables."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("rows", type=Path)
-    parser.add_argument("--split", default="test", choices=["train", "test"])
-    parser.add_argument("--limit", type=int)
-    parser.add_argument("--minutes", type=float, default=float("inf"))
-    parser.add_argument("--least", type=int, default=2500)
+    parser = parser_of(__doc__, 2500)
     parser.add_argument("--marked-only", action="store_true")
-    parser.add_argument("--tables", action="store_true")
     options = parser.parse_args(arguments)
     folder = DATA / "models" / options.split
-    models = [f"models/{options.split}/{model}" for model in spread(folder, find_models(folder))]
-    known = {row["model"] for row in read_rows(options.rows)}
-    end = monotonic() + 60.0 * options.minutes
-    fresh = not options.rows.exists() or not options.rows.stat().st_size
-    with options.rows.open("a", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, COLUMNS, restval="")
-        if fresh:
-            writer.writeheader()
-        for model in models[: options.limit] if not options.tables else ():
-            if model in known or monotonic() > end:
-                continue
-            try:
-                if len(surface_of(load(DATA / model)).points) < options.least:
-                    continue
-                writer.writerow(row_of(model, marked_only=options.marked_only))
-            except MeshmarkError as error:
-                print(f"{model}: {error}", file=sys.stderr)
-            file.flush()
-    print(tables(read_rows(options.rows)))
+    models = (f"models/{options.split}/{model}" for model in spread(folder, find_models(folder)))
+    print(tables(measure(options, COLUMNS, models, partial(row_of, marked_only=options.marked_only))))
     return 0
 
 

@@ -29,7 +29,7 @@ from meshmark.ownership.extraction import extract
 from meshmark.ownership.extraction_result import Extraction
 from meshmark.scene.surfaces import marked_surface, mirrored, unfolded
 
-__all__ = ["DOUBTFUL_LOG10", "MARKED_LOG10", "Examination", "examine"]
+__all__ = ["DOUBTFUL_LOG10", "Examination", "examine"]
 
 DOUBTFUL_LOG10 = -4.0
 """Between this and `MARKED_LOG10` nothing is said."""
@@ -201,12 +201,9 @@ def _examined(
     rounded = None if identity is None or layers == "ownership" else _rounded(mesh)
     if layers == "both" and rounded is None:
         since = Since.CHANGED
-    return Examination(
-        surface=surface,
-        checks=checks,
+    return replace(
+        _unmarked(surface, checks),
         id=identity,
-        marked=False,
-        altered=np.ones(len(surface.points), bool),
         log10_false_positive=checks.log10_chance if identity is None else found.log10_false_positive,
         ownership_only=layers == "ownership",
         since=since,

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from meshmark.authentication.checks.marked_ids import marked_ids
 from meshmark.authentication.one_answer import one_answer
-from meshmark.certificate.certificate import Certificate
 from meshmark.coding.chance import believable
 from meshmark.coding.keys import Key
 from meshmark.errors import InputError
@@ -25,9 +22,9 @@ def evidence_of_marks(mesh: Mesh, key: Key) -> tuple[Evidence, ...]:
     surface.
     """
     surface = surface_of(mesh)
-    if not surface.point_shares.any():
-        raise InputError("the model has no surface: all its faces have zero area")
     shares = surface.point_shares
+    if not shares.any():
+        raise InputError("the model has no surface: all its faces have zero area")
     return tuple(
         Evidence(
             layer="authentication",
@@ -44,17 +41,6 @@ def marks_evidence(mesh: Mesh, key: Key) -> Evidence | None:
     return next(iter(evidence_of_marks(mesh, key)), None)
 
 
-def with_marks(
-    found: Extraction,
-    mesh: Mesh,
-    key: Key,
-    reference: Certificate | Mesh | None = None,
-    marks: Sequence[Evidence] | None = None,
-) -> Extraction:
-    """Return the one answer of what was extracted from a mesh and of its marks of authentication (`one_answer`).
-
-    reference: that the extraction had; the advice says where it is a certificate of another mark. marks: what they
-    report, read where it is not given.
-    """
-    read = evidence_of_marks(mesh, key) if marks is None else marks
-    return one_answer(found, read, key=key, reference=reference)
+def with_marks(found: Extraction, mesh: Mesh, key: Key) -> Extraction:
+    """Return the one answer of what was extracted from a mesh and of its marks of authentication (`one_answer`)."""
+    return one_answer(found, evidence_of_marks(mesh, key), key=key)

@@ -10,6 +10,7 @@ from scipy.sparse import coo_array
 
 from meshmark.geometry.areas import area_vectors
 from meshmark.geometry.components import connected_components
+from meshmark.geometry.face_neighbours import face_neighbours
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["PlanePatches"]
@@ -53,7 +54,7 @@ class PlanePatches:
         vectors = area_vectors(points, faces)
         area = np.linalg.norm(vectors, axis=1)
         normals = vectors / np.maximum(area, np.finfo(float).tiny)[:, None]
-        one, other = _neighbours(faces, len(points))
+        one, other, _ = face_neighbours(faces, len(points))
         flat = 1.0 - np.abs(np.einsum("ij,ij->i", normals[one], normals[other])) <= _ANGLE
         size = (len(faces), len(faces))
         graph = coo_array((np.ones(int(flat.sum()), np.int8), (one[flat], other[flat])), shape=size)
@@ -99,13 +100,3 @@ def _square_off(places: FloatArray, patch: IntArray, count: int) -> FloatArray:
         for j in range(3):
             spread[:, i, j] = np.bincount(patch, away[:, i] * away[:, j], count)
     return np.asarray(np.maximum(np.linalg.eigvalsh(spread)[:, 0], 0.0))
-
-
-def _neighbours(faces: IntArray, count: int) -> tuple[IntArray, IntArray]:
-    """Return the two faces, each (e,), of every edge that belongs to two."""
-    ends: NDArray[np.int64] = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-    keys = ends[:, 0] * count + ends[:, 1]
-    order = np.argsort(keys, kind="stable")
-    _, first, times = np.unique(keys[order], return_index=True, return_counts=True)
-    pairs = first[times == 2]
-    return order[pairs] // 3, order[pairs + 1] // 3

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_array
 
 from meshmark.geometry.components import connected_components
+from meshmark.geometry.face_neighbours import face_neighbours
 from meshmark.mesh import IntArray
 
 __all__ = ["consistent_winding"]
@@ -34,7 +34,7 @@ def consistent_winding(faces: IntArray, count: int) -> IntArray:
     (m, 3) int array
         In the same order; the same array where nothing is turned over.
     """
-    one, other, against = _joints(faces, count)
+    one, other, against = face_neighbours(faces, count)
     if not against.any():
         return faces
     size = len(faces)
@@ -57,17 +57,6 @@ def consistent_winding(faces: IntArray, count: int) -> IntArray:
     usable[part[as_is == over]] = False
     turned = usable[part] & (alike != (votes[part] > 0.0))
     return np.where(turned[:, None], faces[:, [0, 2, 1]], faces)
-
-
-def _joints(faces: IntArray, count: int) -> tuple[IntArray, IntArray, NDArray[np.bool_]]:
-    """Return the two faces, each (e,), of edges that belong to two, and whether these turn against each other."""
-    start, end = faces.ravel(), faces[:, [1, 2, 0]].ravel()
-    keys = np.minimum(start, end) * count + np.maximum(start, end)
-    order = np.argsort(keys, kind="stable")
-    _, first, times = np.unique(keys[order], return_index=True, return_counts=True)
-    pairs = first[times == 2]
-    one, other = order[pairs], order[pairs + 1]
-    return one // 3, other // 3, start[one] == start[other]
 
 
 def _graph(one: IntArray, other: IntArray, size: int) -> coo_array:

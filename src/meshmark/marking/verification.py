@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from meshmark.authentication.checks.checks import check
-from meshmark.authentication.examination import MARKED_LOG10, Examination, examine
+from meshmark.authentication.examination import Examination, examine
+from meshmark.authentication.parameters import MARKED_LOG10
 from meshmark.coding.keys import Key
 from meshmark.errors import CapacityError
 from meshmark.marking.embedding_result import Embedding

@@ -72,8 +72,7 @@ def _by_precision(mesh: Mesh, key: Key, precisions: tuple[Precision, ...]) -> It
         except CapacityError as error:
             refusal = error
             continue
-        marks, symbol_bits = found.plan.payload_marks, found.plan.symbol_bits
-        room = 8 * capacity(marks, symbol_bits)
+        room = 8 * capacity(found.plan.payload_marks, found.plan.symbol_bits)
         if room < precision.enough * len(found.plan.surface.points):
             continue
         waiting.append(found)

@@ -103,10 +103,8 @@ def outvoted(
     index: NDArray[np.uint32], symbols: IntArray, symbol_bits: int, voting: NDArray[np.bool_]
 ) -> NDArray[np.bool_]:
     """Return (c,): which symbols (c,) are not what most of the `voting` (c,) say of the same piece of the id."""
-    count = pieces_of_id(symbol_bits)
-    piece = index.astype(np.int64) % count
-    votes = np.zeros((count, 1 << symbol_bits))
-    np.add.at(votes, (piece[voting], symbols[voting]), 1.0)
+    votes = _votes(index, symbols, voting.astype(np.float64), _width(symbol_bits))
+    piece = index.astype(np.int64) % len(votes)
     return np.asarray(votes[piece, symbols] < votes[piece].max(axis=1))
 
 

@@ -77,9 +77,7 @@ def log_likelihood_ratio(phase: FloatArray) -> FloatArray:
     """
     agreement = np.clip(np.cos(2.0 * phase).mean(), 0.02, 0.98)
     variance = -0.5 * np.log(agreement)  # E cos(2 phase) = exp(-2 variance)
-    zero, one = (_wrapped_normal(phase - centre, variance) for centre in (0.0, np.pi))
-    broken = BROKEN_SHARE / (2.0 * np.pi)
-    return np.asarray(np.log(zero + broken) - np.log(one + broken))
+    return _ratio(phase, float(variance), BROKEN_SHARE)
 
 
 def log_likelihood_ratio_of_points(phase: FloatArray) -> FloatArray:
@@ -94,9 +92,14 @@ def log_likelihood_ratio_of_points(phase: FloatArray) -> FloatArray:
     mixed = (1.0 - BROKEN_SHARES[:, None, None]) * doubled + BROKEN_SHARES[:, None, None] / (2.0 * np.pi)
     likelihood = np.log(mixed).sum(axis=2)
     share, width = np.unravel_index(int(likelihood.argmax()), likelihood.shape)
-    zero, one = (_wrapped_normal(phase - centre, float(WIDTHS[width])) for centre in (0.0, np.pi))
-    broken = BROKEN_SHARES[share] / (1.0 - BROKEN_SHARES[share]) / (2.0 * np.pi)
-    return np.asarray(np.log(zero + broken) - np.log(one + broken))
+    return _ratio(phase, float(WIDTHS[width]), BROKEN_SHARES[share] / (1.0 - BROKEN_SHARES[share]))
+
+
+def _ratio(phase: FloatArray, variance: float, broken: float) -> FloatArray:
+    """Return the log-likelihood ratio under wrapped normal noise; broken: share of any phase, over the others."""
+    zero, one = (_wrapped_normal(phase - centre, variance) for centre in (0.0, np.pi))
+    floor = broken / (2.0 * np.pi)
+    return np.asarray(np.log(zero + floor) - np.log(one + floor))
 
 
 def _wrapped_normal(angle: FloatArray, variance: float) -> FloatArray:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from itertools import islice, product
+from itertools import islice
 
 from meshmark.certificate.certificate import Certificate
 from meshmark.geometry.frame import Frame
@@ -33,15 +33,17 @@ def registered_readings(search: Search) -> Iterator[Reading]:
 
     def placed(frames: Iterable[Frame]) -> list[tuple[Frame, Shapes, Lattice]]:
         return [
-            (frame, Shapes(search.surface, frame), search.lattice(spacing, label))
+            (frame, shapes, search.lattice(spacing, label))
             for frame in frames
+            for shapes in [Shapes(search.surface, frame)]  # one for all spacings
             for spacing in (preferred_spacings(frame.area)[:ORIGINAL_SPACINGS] if known is None else known)
         ]
 
     def read(held: list[tuple[Frame, Shapes, Lattice]], restored: Iterable[Restoration]) -> Iterator[Reading]:
-        for restoration, (frame, shapes, lattice) in product(restored, held):
-            hypothesis = Hypothesis(restoration=restoration, lattice=lattice, turned=frame)
-            yield from locked_readings(shapes, hypothesis, steps, search.trials.charge())
+        for restoration in restored:
+            for frame, shapes, lattice in held:
+                hypothesis = Hypothesis(restoration=restoration, lattice=lattice, turned=frame)
+                yield from locked_readings(shapes, hypothesis, steps, search.trials.charge())
 
     # A part of the model, unchanged: registered exactly, and soon.
     if exact := placed(corner_frames(search.surface, reference)):
