@@ -33,8 +33,6 @@ __all__ = ["Authenticated", "Base", "with_authentication"]
 # Choices of marks that are looked at for each precision, and how many of those that carry the id are made and read
 # back. Most choices of a small model leave out a piece of the id.
 _CHOICES, _READ = 8, 3
-# Where marks took the id of the layer below away so often, others will, too.
-_LOST = 4
 # Share of the points below which a remark says how many are in the ring of a mark.
 _WATCHED = 0.9
 _NO_PAYLOAD = (
@@ -107,7 +105,6 @@ def _may_go_without_payload(base: Base, request: MarkRequest) -> bool:
 
 def _first_read(base: Base, request: MarkRequest, planned_marks: Iterator[Planned]) -> Authenticated:
     refusal = CapacityError("no marks of authentication fit, expected more room for payload")
-    lost = 0
     for planned in planned_marks:
         carrying = (each for each in _choices(planned, request.key) if each.plan.carries_id or base.has_id)
         refusal = CapacityError("the model has room for too few marks of authentication to tell its id")
@@ -117,9 +114,6 @@ def _first_read(base: Base, request: MarkRequest, planned_marks: Iterator[Planne
                     return _bound_or_not(base, request, chosen)
                 except _UnreadError as error:
                     refusal = error
-                    lost += isinstance(error, _IdLostError)
-                    if lost == _LOST:
-                        raise
         except CapacityError as error:
             refusal = error
     raise refusal
@@ -134,11 +128,7 @@ def _bound_or_not(base: Base, request: MarkRequest, chosen: Planned) -> Authenti
 
 
 class _UnreadError(CapacityError):
-    """The marks of authentication are not read back as they should."""
-
-
-class _IdLostError(_UnreadError):
-    """The id of the layer below is not read any more."""
+    """The marks of authentication are not read back as they should, or the id below them is not."""
 
 
 class _UnplacedError(_UnreadError):
@@ -191,7 +181,7 @@ def _marked(base: Base, request: MarkRequest, planned: Planned, *, bound: bool) 
     if base.has_id:
         below = extract(result, request.key, search="plain")
         if below.id != request.id:
-            raise _IdLostError("the id cannot be read beside the marks of authentication")
+            raise _UnreadError("the id cannot be read beside the marks of authentication")
         carriers = below.carriers
     watched = float(found.checks.verified.sum()) / max(int(found.surface.used.sum()), 1)
     if watched < _WATCHED:
