@@ -1,7 +1,7 @@
 """Take the pictures of docs/report.md: python tools/screenshot_reports.py AUTHENTICATION.html RECOVERY.html.
 
 Needs Chromium and Playwright. Of the first page: light at 1280 pixels with the tamper map, dark at 1280 with the
-regions, light at 390 with the altered parts; of the second: dark at 390. PNG of 128 colours.
+regions, light at 390 with the altered parts; of the second: dark at 390. PNG of 256 colours.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ def main(authentication: Path, recovery: Path) -> None:
             tab.wait_for_selector(f"[data-layer={layer}]")
             tab.wait_for_timeout(300)
             picture = Image.open(io.BytesIO(tab.screenshot())).convert("RGB")
-            picture.quantize(128, dither=Image.Dither.NONE).save(IMAGES / f"{name}.png", optimize=True)
+            picture.quantize(256, dither=Image.Dither.FLOYDSTEINBERG).save(IMAGES / f"{name}.png", optimize=True)
             tab.close()
         started.close()
 
