@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from meshmark.authentication.as_written import Since
 from meshmark.authentication.examination import DOUBTFUL_LOG10, Examination, examine
 from meshmark.authentication.payload.payload import Payload
+from meshmark.authentication.regions.condition import CONDITIONS
 from meshmark.authentication.regions.region import Region
 from meshmark.authentication.regions.region_map import RegionMap, region_map
 from meshmark.authentication.rounded import Requantised, requantised, rounded_everywhere
@@ -24,7 +25,8 @@ from meshmark.coding.chance import band, believable
 from meshmark.coding.elapsed import rounded_up
 from meshmark.coding.keys import Key
 from meshmark.coding.message import format_id
-from meshmark.mesh import IntArray, Mesh
+from meshmark.mesh import FloatArray, IntArray, Mesh
+from meshmark.notebook import notebook_table
 from meshmark.ownership.extraction import MODES
 from meshmark.threads import on_one_thread
 
@@ -82,9 +84,37 @@ class Authentication:
         return self._map.region
 
     @property
+    def failed_share(self) -> FloatArray:
+        """Return (n,): the share of the checks around each vertex that failed, NaN where nothing was checked."""
+        return self._map.failed_share
+
+    @property
+    def condition(self) -> IntArray:
+        """Return (n,): what became of each vertex, an index into `regions.condition.CONDITIONS`."""
+        return self._map.condition
+
+    @property
     def altered_vertices(self) -> int:
         """Return how many vertices of the file are altered."""
         return int(self.altered.sum())
+
+    def vertices_that_are(self, condition: str) -> int:
+        """Return how many vertices of the file have a condition, one of `regions.condition.CONDITIONS`."""
+        return int((self.condition == CONDITIONS.index(condition)).sum())
+
+    def _repr_html_(self) -> str:
+        share = self.altered_area_fraction
+        altered = f"{self.altered_vertices:,} vertices, {100 * share:.2g} % of the surface"
+        return notebook_table(
+            self.verdict.replace("_", " ").capitalize(),
+            [
+                ("What was found", self.advice),
+                ("Altered", altered if self.altered_vertices else ""),
+                ("Id", "" if self.id is None else format_id(self.id)),
+                ("Payload", self.payload),
+                ("Read with", self.mode),
+            ],
+        )
 
     def to_dict(self, *, diagnose: bool = False) -> dict[str, Any]:
         """Return the JSON fields; the bound in `BANDS` and the time in `SECONDS` unless `diagnose`."""
@@ -95,6 +125,8 @@ class Authentication:
             "requantised": self.requantised is not None,
             "requantised_bits": None if self.requantised is None else self.requantised.bits,
             "altered_vertices": self.altered_vertices,
+            "moved_vertices": self.vertices_that_are("moved"),
+            "cut_off_vertices": self.vertices_that_are("cut_off"),
             "altered_area_fraction": self.altered_area_fraction,
             "missing_area_fraction": self.missing_area_fraction,
             "points_missing": self.points_missing,
