@@ -1,0 +1,52 @@
+"""What a job made: the files that can be downloaded, and its answer without the places of files on this computer."""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from meshmark.web.server.orders import OUT
+from meshmark.web.server.web_job import Download
+
+__all__ = ["downloads_of", "own_names"]
+
+FOLDERS = ("in", "out", "certificate", "original")
+"""Folders within that of a job."""
+
+
+def own_names(value: Any, key_folder: str) -> Any:
+    """Return an answer, or a sentence, in which files are called as in the upload; keys by their names alone."""
+    if isinstance(value, str):
+        shown = value.replace(key_folder, "")
+        for folder in FOLDERS:
+            shown = shown.removeprefix(f"{folder}/").replace(f" {folder}/", " ")
+        return shown
+    if isinstance(value, Mapping):
+        return {name: own_names(entry, key_folder) for name, entry in value.items()}
+    if isinstance(value, list):
+        return [own_names(entry, key_folder) for entry in value]
+    return value
+
+
+def downloads_of(folder: Path, answer: Mapping[str, Any]) -> Iterator[Download]:
+    """Yield the files that an answer names; a model of several files comes as one zip archive.
+
+    folder: of the job, to which the names in the answer are relative.
+    """
+    beside = [Path(name) for name in answer.get("side_files", ())]
+    for kind, name in answer.get("outputs", {}).items():
+        path = folder / name
+        if kind == "model" and beside:
+            path = _archive(path, [folder / each for each in beside], folder / OUT)
+        yield Download(kind=kind, name=path.name, path=path, bytes=path.stat().st_size)
+
+
+def _archive(model: Path, others: list[Path], home: Path) -> Path:
+    """Write a zip archive of a model and the files beside it, which keep their places."""
+    path = model.with_name(f"{model.stem}.zip")
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
+        for each in (model, *others):
+            archive.write(each, each.resolve().relative_to(home.resolve()).as_posix())
+    return path
