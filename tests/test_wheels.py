@@ -1,4 +1,4 @@
-"""The two wheels: what is in each, how they are joined, and that the product needs nothing of research."""
+"""The three wheels: what is in each, how they are joined, and that the product needs neither of the others."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ LARGEST = 1_100_000
 
 @pytest.fixture(scope="module")
 def wheels(tmp_path_factory) -> dict[str, zipfile.ZipFile]:
-    """Both wheels, built from this checkout, by the name of the distribution."""
+    """The wheels, built from this checkout, by the name of the distribution."""
     out = tmp_path_factory.mktemp("wheels")
-    for project in (ROOT, ROOT / "research-wheel"):
+    for project in (ROOT, ROOT / "research-wheel", ROOT / "web-wheel"):
         subprocess.run(
             [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", out],
             cwd=project, check=True, capture_output=True, timeout=120,
@@ -34,13 +34,14 @@ def text_of(wheel: zipfile.ZipFile, name: str) -> str:
     return wheel.read(found).decode()
 
 
-def test_the_wheel_of_the_product_is_small_and_without_research(wheels):
+def test_the_wheel_of_the_product_is_small_and_without_the_others(wheels):
     wheel = wheels["meshmark"]
     names = some(wheel.namelist(), least=250)
     assert Path(wheel.filename).stat().st_size < LARGEST
     assert [name for name in names if "research" in name or name.endswith((".npz", ".npy"))] == []
+    assert [name for name in names if name.startswith("meshmark/web/")] == []
     assert {"meshmark/py.typed", "meshmark/data/hare.xz"} <= set(names)
-    assert "Provides-Extra: research" in text_of(wheel, "METADATA")
+    assert {"Provides-Extra: research", "Provides-Extra: web"} <= set(text_of(wheel, "METADATA").splitlines())
 
 
 def test_the_wheel_of_research_has_the_rest_and_needs_the_product_of_its_version(wheels):
@@ -54,7 +55,19 @@ def test_the_wheel_of_research_has_the_rest_and_needs_the_product_of_its_version
     assert f"Requires-Dist: meshmark[attacks]=={version}" in metadata
 
 
-def test_both_wheels_together_have_every_source(wheels):
+def test_the_wheel_of_the_web_has_the_viewer_with_its_licences_and_needs_the_product_of_its_version(wheels):
+    wheel = wheels["meshmark_web"]
+    ours = {name for name in wheel.namelist() if ".dist-info/" not in name}
+    assert all(name.startswith("meshmark/web/") for name in some(ours, least=5))
+    viewer = {"viewer.bundle.js", "viewer.css", "THREE-LICENSE"}
+    assert {"meshmark/web/LICENSE", *(f"meshmark/web/viewer/{name}" for name in viewer)} <= ours
+    metadata = text_of(wheel, "METADATA")
+    version = next(line.split()[1] for line in metadata.splitlines() if line.startswith("Version:"))
+    assert f"Requires-Dist: meshmark=={version}" in metadata
+    assert "[meshmark.viewer]" in text_of(wheel, "entry_points.txt")
+
+
+def test_the_wheels_together_have_every_source(wheels):
     sources = ROOT / "src"
     kept = {
         str(path.relative_to(sources))
@@ -78,19 +91,19 @@ def test_schemes_of_other_packages_are_found_under_the_published_name():
     assert '[project.entry-points."meshmark.schemes"]' in (ROOT / "docs" / "your-scheme.md").read_text()
 
 
-def test_the_product_marks_reads_and_refuses_without_research(wheels, tmp_path):
-    """The unpacked wheel, and nothing of this checkout, in a process in which research cannot be imported."""
+def test_the_product_marks_reads_and_refuses_without_the_others(wheels, tmp_path):
+    """The unpacked wheel, and nothing of this checkout, in a process in which the others cannot be imported."""
     wheels["meshmark"].extractall(tmp_path / "unpacked")
     code = f"""
 import sys
 from importlib.abc import MetaPathFinder
 
-class NoResearch(MetaPathFinder):
+class TheProductAlone(MetaPathFinder):
     def find_spec(self, name, path, target=None):
-        if name.startswith("meshmark.research"):
+        if name.startswith(("meshmark.research", "meshmark.web")):
             raise ModuleNotFoundError(name)
 
-sys.meta_path.insert(0, NoResearch())
+sys.meta_path.insert(0, TheProductAlone())
 import importlib.metadata
 importlib.metadata.entry_points = lambda **_: ()
 import meshmark as mm

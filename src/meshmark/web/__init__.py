@@ -1,0 +1,1 @@
+"""What is shown in a browser; a wheel of its own, `meshmark-web`."""

@@ -1,0 +1,1 @@
+"""The viewer of models: sources in `source`, one bundle that pages hold, its style sheet."""
