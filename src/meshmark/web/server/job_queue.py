@@ -13,7 +13,7 @@ from typing import Any
 
 from meshmark.web.server.command_process import CommandProcess, ProcessDied
 from meshmark.web.server.job_folders import remove_folder
-from meshmark.web.server.produced import downloads_of, own_names
+from meshmark.web.server.produced import downloads_of, own_names, view_of
 from meshmark.web.server.refusals import Refusal, error_fields
 from meshmark.web.server.settings import Settings
 from meshmark.web.server.web_job import State, WebJob
@@ -134,6 +134,7 @@ class JobQueue:
         job.remarks = [own_names(line, key_folder) for line in job.remarks]
         job.answer = own_names(found["answer"], key_folder)
         job.downloads = {each.name: each for each in downloads_of(job.folder, found["answer"])}
+        job.view = view_of(job.downloads.values(), job.folder)
         job.ended = time.monotonic()
         if job.state is not State.cancelled:
             job.state, job.stage = (State.failed, "failed") if job.error else (State.done, "done")

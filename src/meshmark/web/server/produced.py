@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import re
 import zipfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 from meshmark.web.server.orders import OUT
 from meshmark.web.server.web_job import Download
 
-__all__ = ["downloads_of", "own_names"]
+__all__ = ["downloads_of", "own_names", "view_of"]
 
 FOLDERS = ("in", "out", "certificate", "original")
 """Folders within that of a job."""
+_NAMED_VIEW = re.compile(r'\bdata-view="([\w-]+)"')
 
 
 def own_names(value: Any, key_folder: str) -> Any:
@@ -41,6 +43,21 @@ def downloads_of(folder: Path, answer: Mapping[str, Any]) -> Iterator[Download]:
         if kind == "model" and beside:
             path = _archive(path, [folder / each for each in beside], folder / OUT)
         yield Download(kind=kind, name=path.name, path=path, bytes=path.stat().st_size)
+
+
+def view_of(downloads: Iterable[Download], folder: Path) -> Path | None:
+    """Write what the interactive view of a report shows to a file of its own; None where there is no such report."""
+    for report in (each.path for each in downloads if each.kind == "report"):
+        page = report.read_text(encoding="utf-8")
+        named = _NAMED_VIEW.search(page)
+        if named is None:
+            continue
+        held = re.search(rf'<script[^>]*\bid="{re.escape(named[1])}"[^>]*>(.*?)</script>', page, re.DOTALL)
+        if held is not None:
+            path = folder / "view.json"
+            path.write_text(held[1], encoding="utf-8")
+            return path
+    return None
 
 
 def _archive(model: Path, others: list[Path], home: Path) -> Path:

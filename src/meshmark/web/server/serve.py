@@ -60,7 +60,7 @@ def serve(
     KeyFolder(folder).make()
     if registry:
         open_registry(registry).database.close()  # say now what is wrong with it
-    token = None if is_loopback(host) else _token()
+    token, is_new = (None, False) if is_loopback(host) else _token()
     settings = Settings(
         key_folder=folder,
         registry=registry or None,
@@ -76,8 +76,8 @@ def serve(
     listening = _listening(host, port)
     place = f"[{host}]" if ":" in host else host
     say(f"meshmark: serving on http://{place}:{listening.getsockname()[1]}/ with the keys in {folder}")
-    if token is not None:
-        say(f"meshmark: the token is {token}")
+    if is_new:
+        say(f"meshmark: the token of this start is {token}")
     config = uvicorn.Config(
         make_service(settings), log_level="warning", access_log=False, server_header=False, lifespan="on"
     )
@@ -85,11 +85,16 @@ def serve(
     return 0
 
 
-def _token() -> str:
-    token = os.environ.get(TOKEN_VARIABLE) or secrets.token_urlsafe(_TOKEN_BYTES)
-    if len(token) < _SHORTEST_TOKEN:
-        raise InputError(f"the token in {TOKEN_VARIABLE} is shorter than {_SHORTEST_TOKEN} characters")
-    return token
+def _token() -> tuple[str, bool]:
+    """Return the token, and whether it was made now and has to be shown; raises `InputError` for a short one."""
+    given = os.environ.get(TOKEN_VARIABLE)
+    if not given:
+        return secrets.token_urlsafe(_TOKEN_BYTES), True
+    if len(given) < _SHORTEST_TOKEN:
+        raise InputError(
+            f"the token in {TOKEN_VARIABLE} is of {len(given)} characters, expected {_SHORTEST_TOKEN} at least"
+        )
+    return given, False
 
 
 def _listening(host: str, port: int) -> socket.socket:
