@@ -28,15 +28,22 @@ job_routes = APIRouter(
     responses={code: {"model": ErrorFields} for code in (400, 401, 403, 404, 409, 413, 421, 422, 429)},
 )
 _LONGEST_WAIT = 25.0
+# What the answer to a new job leads to, for readers of the OpenAPI description.
+_LINKS = {
+    name: {"operationId": name, "parameters": {"job": "$response.body#/id"}}
+    for name in ("show_job", "show_result", "show_view", "cancel_job")
+}
 
 
-@job_routes.post("", status_code=202)
+@job_routes.post("", status_code=202, operation_id="begin_job", responses={202: {"links": _LINKS}})
 async def begin_job(
     request: Request,
     *,
     action: Annotated[Action, Form(description="What to do with the model.")],
     key: Annotated[str, Form(pattern=LABEL, description="Label of the key.")],
-    files: Annotated[list[UploadFile], File(description="The model, and the files that it refers to.")],
+    files: Annotated[
+        list[UploadFile], File(min_length=1, description="The model, and the files that it refers to.")
+    ],
     certificate: Annotated[UploadFile | None, File(description="The certificate made at embedding.")] = None,
     original: Annotated[
         list[UploadFile] | None, File(description="The unmarked original, instead of a certificate.")
@@ -78,7 +85,7 @@ async def begin_job(
     return _fields(job, queue)
 
 
-@job_routes.get("/{job}")
+@job_routes.get("/{job}", operation_id="show_job")
 async def show_job(
     request: Request,
     job: str,
@@ -96,7 +103,9 @@ async def show_job(
     return _fields(found, queue)
 
 
-@job_routes.get("/{job}/result", responses={200: {"content": {"application/json": {}}}})
+@job_routes.get(
+    "/{job}/result", operation_id="show_result", responses={200: {"content": {"application/json": {}}}}
+)
 async def show_result(request: Request, job: str) -> Response:
     """Return exactly what the command line prints with --json; an error has the status 422."""
     found = _queue(request).find(job)
@@ -105,7 +114,7 @@ async def show_result(request: Request, job: str) -> Response:
     return JSONResponse(found.answer, 422 if found.error else 200)
 
 
-@job_routes.delete("/{job}", status_code=204)
+@job_routes.delete("/{job}", status_code=204, operation_id="cancel_job")
 async def cancel_job(request: Request, job: str) -> Response:
     """Cancel a job, whatever it is at, and remove its files."""
     queue = _queue(request)
@@ -128,7 +137,9 @@ async def download(request: Request, job: str, name: str) -> Response:
     )
 
 
-@job_routes.get("/{job}/view", responses={200: {"content": {"application/json": {}}}})
+@job_routes.get(
+    "/{job}/view", operation_id="show_view", responses={200: {"content": {"application/json": {}}}}
+)
 async def show_view(request: Request, job: str) -> Response:
     """Return the data of the interactive view."""
     found = _queue(request).find(job)

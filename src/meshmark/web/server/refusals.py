@@ -8,6 +8,7 @@ from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from starlette.exceptions import HTTPException
+from starlette.routing import Match, Route
 
 from meshmark.errors import MeshmarkError, OutputError, RegistryError
 
@@ -47,14 +48,26 @@ def add_handlers(app: FastAPI) -> None:
     app.add_exception_handler(MeshmarkError, _on_error)
 
 
-async def _on_http(_: Request, error: Exception) -> JSONResponse:
+async def _on_http(request: Request, error: Exception) -> JSONResponse:
     status = getattr(error, "status_code", 400)
     sentence = str(getattr(error, "detail", ""))
     if not isinstance(error, Refusal):
         sentence = _WORDS.get(status, sentence[:1].lower() + sentence[1:])
     response = refused(status, sentence, file=getattr(error, "file", None))
     response.headers.update(getattr(error, "headers", None) or {})
+    if status == 405:
+        response.headers["Allow"] = ", ".join(_methods(request))
     return response
+
+
+def _methods(request: Request) -> list[str]:
+    """Return the methods that the address of a request takes, whichever route has them."""
+    found = [
+        route.methods or ()
+        for route in request.app.routes
+        if isinstance(route, Route) and route.matches(request.scope)[0] is not Match.NONE
+    ]
+    return sorted({method for methods in found for method in methods})
 
 
 async def _on_invalid(_: Request, error: Exception) -> JSONResponse:
