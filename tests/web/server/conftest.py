@@ -38,8 +38,6 @@ def marked_job(server: Served, pebble_file: Path) -> dict[str, Any]:
 
 
 @pytest.fixture(scope="session")
-def marked_file(
-    server: Served, marked_job: dict[str, Any], tmp_path_factory: pytest.TempPathFactory
-) -> Path:
+def marked_file(server: Served, marked_job: dict[str, Any], tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The marked model, downloaded."""
     return server.save(marked_job, "model", tmp_path_factory.mktemp("marked"))

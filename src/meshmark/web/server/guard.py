@@ -3,8 +3,9 @@
 Attack model. Whoever runs programs as the same user on this computer can read the keys anyway. Kept out are:
 - other computers: without a token the server is bound to this computer alone; with one, every request to the API
   needs it, compared in constant time;
-- pages of other sites in a browser on this computer: a POST or DELETE with a foreign Origin is refused (CSRF), and so
-  is a Host header that is none of the server's names (DNS rebinding); no response may be framed or read across sites;
+- pages of other sites in a browser on this computer: a POST or DELETE with a foreign Origin is refused (CSRF), and
+  so is a Host header that is none of the server's names (DNS rebinding); no response may be framed, or read across
+  sites;
 - uploads without end: more bytes than the limit are refused while they arrive.
 """
 
@@ -28,8 +29,8 @@ COOKIE = "meshmark_session"
 _OPEN = ("/api/session",)
 _SAFE = ("GET", "HEAD", "OPTIONS")
 _HEADERS = {
-    "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
-    "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
+    "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; "
+    "img-src 'self' data: blob:; connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
     "X-Content-Type-Options": "nosniff",
     "X-Frame-Options": "DENY",
     "Referrer-Policy": "no-referrer",
@@ -91,7 +92,7 @@ class Guard:
 
 
 def _is_own_host(host: str, settings: Settings) -> bool:
-    """Return whether a Host header names this server: by a name of its own, or an address where it is bound to more."""
+    """Return whether a Host header names this server: by a name of its own, or by an address in a network."""
     try:
         name = (urlsplit(f"//{host}").hostname or "").rstrip(".").lower()
     except ValueError:
@@ -125,7 +126,9 @@ def _check_token(headers: Headers, token: str) -> None:
 
 
 def _too_large(most: int) -> Refusal:
-    return Refusal(413, f"the upload is larger than {most / MEGABYTE:,.0f} MB, the most that this server takes")
+    return Refusal(
+        413, f"the upload is larger than {most / MEGABYTE:,.0f} MB, the most that this server takes"
+    )
 
 
 def _limited(receive: Receive, most: int) -> Receive:

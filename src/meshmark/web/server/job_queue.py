@@ -1,7 +1,7 @@
 """The jobs of a server: who waits, who is worked on, in which process, and when a job is forgotten.
 
-Each job runs in a process of its own that was started ahead. Of `workers` jobs at once at least one is small, so that
-small models do not wait for large ones. All methods run in the server's event loop, which nothing here blocks.
+Each job runs in a process of its own that was started ahead. Of `workers` jobs at once at least one is small, so
+that small models do not wait for large ones. All methods run in the server's event loop, which nothing here blocks.
 """
 
 from __future__ import annotations
@@ -105,7 +105,11 @@ class JobQueue:
             await asyncio.to_thread(self._finish, job, found)
         except TimeoutError:
             minutes = self._settings.job_seconds / 60
-            _fail(job, "time", f"the job took longer than {minutes:.0f} minutes, the most that this server allows")
+            _fail(
+                job,
+                "time",
+                f"the job took longer than {minutes:.0f} minutes, the most that this server allows",
+            )
         except ProcessDied as error:
             _fail(job, error.kind, str(error))
         finally:

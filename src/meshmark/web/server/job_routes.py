@@ -90,7 +90,8 @@ async def show_job(
     request: Request,
     job: str,
     wait: Annotated[
-        float, Query(ge=0, le=_LONGEST_WAIT, description="Answer when something changes, or after these seconds.")
+        float,
+        Query(ge=0, le=_LONGEST_WAIT, description="Answer when something changes, or after these seconds."),
     ] = 0.0,
 ) -> JobFields:
     """Return what a job is at, and what came of it."""
@@ -175,7 +176,9 @@ def _fields(job: WebJob, queue: JobQueue) -> JobFields:
             "remarks": job.remarks if done else [],
             "error": job.error,
             "downloads": [
-                DownloadFields(kind=each.kind, name=each.name, bytes=each.bytes, url=f"{place}/files/{each.name}")
+                DownloadFields(
+                    kind=each.kind, name=each.name, bytes=each.bytes, url=f"{place}/files/{each.name}"
+                )
                 for each in (job.downloads.values() if done else ())
             ],
             "view": f"{place}/view" if done and job.view is not None else None,

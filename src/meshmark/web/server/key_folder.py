@@ -71,7 +71,7 @@ class KeyFolder:
     def _place(self, label: str) -> Path:
         if _LABEL.match(label) is None:
             raise InputError(
-                "a label is of 1 to 64 letters, digits, dots, dashes and underscores, and begins with a letter or digit"
+                "a label is of 1 to 64 letters, digits, dots, dashes and underscores, the first a letter or digit"
             )
         return self.path / f"{label}{_SUFFIX}"
 

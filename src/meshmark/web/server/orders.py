@@ -75,9 +75,7 @@ def _authenticate(order: Order) -> list[str]:
 _REFERENCES = ("certificate", "original")
 
 ACTIONS: dict[Action, Offer] = {
-    Action.embed: Offer(
-        lines=_embed, options=("id", "strength", "layers", "tolerance", "recompress", "to")
-    ),
+    Action.embed: Offer(lines=_embed, options=("id", "strength", "layers", "tolerance", "recompress", "to")),
     Action.extract: Offer(lines=lambda _: [], options=("search", "time-limit"), references=_REFERENCES),
     Action.authenticate: Offer(lines=_authenticate, references=_REFERENCES),
     Action.recover: Offer(lines=lambda order: [_written(order, "recovered")], references=("certificate",)),

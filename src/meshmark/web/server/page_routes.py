@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 from fastapi import APIRouter, FastAPI, Request, Response
 from fastapi.responses import FileResponse
@@ -19,7 +20,9 @@ __all__ = ["page_routes", "serve_pages"]
 
 _WEB = Path(__file__).resolve().parents[1]
 _PAGES = Path(__file__).resolve().parent / "pages"
-_ERRORS = {code: {"model": ErrorFields} for code in (400, 401, 403, 413, 421, 422)}
+_ERRORS: dict[int | str, dict[str, Any]] = {
+    code: {"model": ErrorFields} for code in (400, 401, 403, 413, 421, 422)
+}
 
 page_routes = APIRouter(tags=["server"], responses=_ERRORS)
 

@@ -1,4 +1,4 @@
-"""What a job made: the files that can be downloaded, and its answer without the places of files on this computer."""
+"""What a job made: the files that can be downloaded, and its answer without the places of files on the server."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def downloads_of(folder: Path, answer: Mapping[str, Any]) -> Iterator[Download]:
 
 
 def view_of(downloads: Iterable[Download], folder: Path) -> Path | None:
-    """Write what the interactive view of a report shows to a file of its own; None where there is no such report."""
+    """Write what the interactive view of a report shows to a file of its own; None without such a report."""
     for report in (each.path for each in downloads if each.kind == "report"):
         page = report.read_text(encoding="utf-8")
         named = _NAMED_VIEW.search(page)

@@ -24,7 +24,9 @@ registry_routes = APIRouter(
 @registry_routes.get("/copies")
 def list_copies(
     request: Request,
-    recipient: Annotated[str | None, Query(max_length=200, description="Copies of this recipient alone.")] = None,
+    recipient: Annotated[
+        str | None, Query(max_length=200, description="Copies of this recipient alone.")
+    ] = None,
 ) -> CopyList:
     """List the copies of the registry."""
     settings: Settings = request.app.state.settings

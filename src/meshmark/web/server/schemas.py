@@ -10,7 +10,16 @@ from meshmark.web.server.key_folder import LABEL
 from meshmark.web.server.orders import Action
 from meshmark.web.server.web_job import State
 
-__all__ = ["CopyList", "DownloadFields", "ErrorFields", "JobFields", "KeyFields", "NewKey", "Server", "Session"]
+__all__ = [
+    "CopyList",
+    "DownloadFields",
+    "ErrorFields",
+    "JobFields",
+    "KeyFields",
+    "NewKey",
+    "Server",
+    "Session",
+]
 
 
 class ErrorDetail(BaseModel):
@@ -31,14 +40,18 @@ class KeyFields(BaseModel):
     """What is told of a key."""
 
     label: str
-    fingerprint: str | None = Field(description="Public: 16 hexadecimal digits; null where the file cannot be used.")
+    fingerprint: str | None = Field(
+        description="Public: 16 hexadecimal digits; null where the file cannot be used."
+    )
     problem: str | None = Field(default=None, description="Why the file cannot be used.")
 
 
 class NewKey(BaseModel):
     """A key to make."""
 
-    label: Annotated[str, Field(pattern=LABEL, description="What the key is called; its file is named after it.")]
+    label: Annotated[
+        str, Field(pattern=LABEL, description="What the key is called; its file is named after it.")
+    ]
 
 
 class DownloadFields(BaseModel):
@@ -59,7 +72,9 @@ class JobFields(BaseModel):
     stage: str = Field(description="What the job is doing, in words.")
     seconds: float = Field(description="For how long it has been worked on.")
     position: int | None = Field(description="Jobs before this one, while it is queued.")
-    exit_code: int | None = Field(description="Of the command line: 0 yes, 1 no, 3 inconclusive, 2 and 4 errors.")
+    exit_code: int | None = Field(
+        description="Of the command line: 0 yes, 1 no, 3 inconclusive, 2 and 4 errors."
+    )
     result: dict[str, Any] | None = Field(description="What the command line prints with --json.")
     words: str = Field(description="The answer in plain words.")
     remarks: list[str]

@@ -26,7 +26,9 @@ def serve(
     host: Annotated[
         str, typer.Option(help="Address to listen on; any but this computer's own needs a token.")
     ] = "127.0.0.1",
-    port: Annotated[int, typer.Option(min=0, max=65535, help="Port to listen on; 0 for any free one.")] = 8000,
+    port: Annotated[
+        int, typer.Option(min=0, max=65535, help="Port to listen on; 0 for any free one.")
+    ] = 8000,
     key_dir: Annotated[
         Path | None,
         typer.Option(metavar="DIR", help="Folder of key files; ~/.config/meshmark/keys without it."),
@@ -34,7 +36,9 @@ def serve(
     registry: RegistryIn = None,
     name: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME", help="Name by which the server is addressed, for example behind a proxy."),
+        typer.Option(
+            metavar="NAME", help="Name by which the server is addressed, for example behind a proxy."
+        ),
     ] = None,
     workers: Annotated[int, typer.Option(min=2, max=64, help="Jobs that run at once.")] = 2,
     max_upload: Annotated[int, typer.Option(min=1, metavar="MB", help="Most megabytes of an upload.")] = 512,

@@ -23,8 +23,8 @@ from meshmark.web.server.settings import Settings
 __all__ = ["make_service"]
 
 _ABOUT = (
-    "Models are marked and checked in jobs: `POST /api/jobs` with a model begins one, `GET /api/jobs/{job}` tells what "
-    "it is at, and its files are downloaded. `result` is what the command line prints with `--json`."
+    "Models are marked and checked in jobs: `POST /api/jobs` with a model begins one, `GET /api/jobs/{job}` tells "
+    "what it is at, and its files are downloaded. `result` is what the command line prints with `--json`."
 )
 
 
