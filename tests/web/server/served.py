@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import httpx
+import httpx2 as httpx
 
 START = "import sys, typer; from meshmark.web.server.serve import serve; sys.exit(typer.run(serve))"
 OVER = ("done", "failed", "cancelled")

@@ -42,7 +42,8 @@ class JobQueue:
         return self
 
     async def __aexit__(self, *_: object) -> None:
-        """Kill all processes."""
+        """Kill all processes; what waits does not begin."""
+        self._waiting.clear()
         ended = [*self._running.values(), *self._tasks]
         for task in ended:
             task.cancel()
@@ -82,7 +83,7 @@ class JobQueue:
         if task is None:
             self._forget(job)
         else:
-            task.cancel()  # `_run` forgets it
+            task.cancel()  # `_ended` forgets it
 
     def _dispatch(self) -> None:
         """Start what can be started, in the order in which jobs came."""
@@ -94,7 +95,11 @@ class JobQueue:
                 continue
             self._waiting.remove(job)
             job.state, job.stage, job.started = State.running, "starting", time.monotonic()
-            self._running[job.id] = asyncio.get_running_loop().create_task(self._run(job))
+            task = asyncio.get_running_loop().create_task(self._run(job))
+            self._running[job.id] = task
+            task.add_done_callback(
+                lambda _, job=job: self._ended(job)
+            )  # also of one that was cancelled at once
 
     async def _run(self, job: WebJob) -> None:
         process: CommandProcess | None = None
@@ -116,11 +121,14 @@ class JobQueue:
             if process is not None:
                 process.kill()
                 await process.end()
-            job.ended = job.ended or time.monotonic()
-            self._running.pop(job.id, None)
-            if job.state is State.cancelled:
-                self._forget(job)
-            self._dispatch()
+
+    def _ended(self, job: WebJob) -> None:
+        """Let the next job begin after one."""
+        job.ended = job.ended or time.monotonic()
+        self._running.pop(job.id, None)
+        if job.state is State.cancelled:
+            self._forget(job)
+        self._dispatch()
 
     def _message(self, job: WebJob) -> dict[str, Any]:
         return {

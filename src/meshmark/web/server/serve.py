@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import secrets
 import socket
@@ -85,7 +86,8 @@ def serve(
     config = uvicorn.Config(
         make_service(settings), log_level="warning", access_log=False, server_header=False, lifespan="on"
     )
-    uvicorn.Server(config).run(sockets=[listening])
+    with contextlib.suppress(KeyboardInterrupt):  # raised again once all is closed
+        uvicorn.Server(config).run(sockets=[listening])
     return 0
 
 

@@ -35,7 +35,7 @@ def make_service(settings: Settings, home: Path | None = None) -> FastAPI:
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         with job_folders(home) as folder:
             app.state.folder = folder
-            async with JobQueue(settings) as app.state.queue:
+            async with app.state.queue:
                 yield
 
     app = FastAPI(
@@ -48,6 +48,7 @@ def make_service(settings: Settings, home: Path | None = None) -> FastAPI:
         redoc_url=None,
     )
     app.state.settings, app.state.keys = settings, KeyFolder(settings.key_folder)
+    app.state.queue = JobQueue(settings)
     for routes in (job_routes, key_routes, registry_routes, page_routes):
         app.include_router(routes)
     serve_pages(app)
