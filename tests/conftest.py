@@ -77,7 +77,7 @@ def short_search(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture
 def drafts(monkeypatch: pytest.MonkeyPatch) -> None:
     """Draw pictures with one sample for each pixel, those of pages small; tests/report looks at finished ones."""
-    from meshmark.report import authentication_page, picture
+    from meshmark.report import picture, still_view
 
     monkeypatch.setattr(picture, "FINER", 1)
-    monkeypatch.setattr(authentication_page, "SIZE", 160)
+    monkeypatch.setattr(still_view, "SIZE", 160)

@@ -11,6 +11,7 @@ const here = (path) => fileURLToPath(new URL(path, import.meta.url));
 const folder = here("../src/meshmark/web/viewer/");
 const hash = createHash("sha256");
 for (const name of readdirSync(`${folder}source`).sort()) hash.update(readFileSync(`${folder}source/${name}`));
+const licence = readFileSync(here("node_modules/three/LICENSE"), "utf8").trim();
 const { three, esbuild } = JSON.parse(readFileSync(here("package.json"), "utf8")).devDependencies;
 
 await build({
@@ -26,6 +27,6 @@ await build({
   banner: {
     js:
       `/* meshmark viewer, sources ${hash.digest("hex")}, three ${three}, esbuild ${esbuild}.\n` +
-      ` * three.js: Copyright 2010-2026 three.js authors, SPDX-License-Identifier: MIT */`,
+      `three.js is in it, under this licence:\n\n${licence} */`,
   },
 });

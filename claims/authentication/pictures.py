@@ -18,7 +18,7 @@ from claims.authentication.subjects import KEY
 from meshmark.geometry.areas import vertex_normals
 from meshmark.geometry.view import three_quarter_view
 from meshmark.mesh import FloatArray, Mesh
-from meshmark.report.authentication_page import altered_colours
+from meshmark.report.authentication_colours import altered_colours
 from meshmark.report.picture import Panel, panels
 from meshmark.research.benchmark.run.model_files import load_shipped
 

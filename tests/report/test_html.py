@@ -29,8 +29,8 @@ def test_prose_keeps_units_beside_numbers_and_raises_powers():
 
 
 def test_a_value_that_is_missing_is_an_error():
-    with pytest.raises(UndefinedError, match="'verdict' is undefined"):
-        html_page("authentication.html", "report", title="t")
+    with pytest.raises(UndefinedError, match="'report' is undefined"):
+        html_page("report.html", "report", title="t", policy="", style="", script="")
 
 
 @pytest.mark.parametrize("folder", ["report", "research/benchmark/page"])

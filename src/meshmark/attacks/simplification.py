@@ -10,7 +10,7 @@ from meshmark.errors import InputError
 from meshmark.geometry.weld import weld
 from meshmark.mesh import FloatArray, IntArray, Mesh
 
-__all__ = ["simplification"]
+__all__ = ["decimated", "simplification"]
 
 # The library sweeps over the faces and collapses what costs less than a threshold of 1e-9 (sweep + 3)^7, a squared
 # length. On a model of this size the first thresholds are far below any cost, so the cheapest edges go first
@@ -35,15 +35,25 @@ def simplification(mesh: Mesh, strength: float, _rng: np.random.Generator, _give
         raise InputError(
             "the model has no faces to simplify, expected at least one with three different points"
         )
-    points, faces = welded.points[used], corners.reshape(-1, 3)
+    faces = corners.reshape(-1, 3)
     target = max(round((1.0 - strength) * len(faces)), 4)
+    points, faces, kept = decimated(welded.points[used], faces, target)
+    return Attacked(mesh=Mesh(points, faces), origin=welded.vertex_of_point[used[kept]])
+
+
+def decimated(points: FloatArray, faces: IntArray, target: int) -> tuple[FloatArray, IntArray, IntArray]:
+    """Return points (p', 3) and about `target` faces (m', 3) of a surface, and which of its points each one was,
+    (p',).
+
+    All `points` (p, 3) belong to one of the `faces` (m, 3).
+    """
     kept = np.arange(len(points))
     for size in SIZES:
         if len(faces) <= target:
             break
         points, faces, left = _collapse(points, faces, target, size)
         kept = kept[left]
-    return Attacked(mesh=Mesh(points, faces), origin=welded.vertex_of_point[used[kept]])
+    return points, faces, kept
 
 
 def _collapse(

@@ -24,7 +24,7 @@ from meshmark.coding.chance import band, believable
 from meshmark.coding.elapsed import rounded_up
 from meshmark.coding.keys import Key
 from meshmark.coding.message import format_id
-from meshmark.mesh import IntArray, Mesh
+from meshmark.mesh import FloatArray, IntArray, Mesh
 from meshmark.ownership.extraction import MODES
 from meshmark.threads import on_one_thread
 
@@ -80,6 +80,16 @@ class Authentication:
     def region(self) -> IntArray:
         """Return (n,): the region of each vertex of the file."""
         return self._map.region
+
+    @property
+    def failed_share(self) -> FloatArray:
+        """Return (n,): the share of the checks around each vertex that failed, NaN where nothing was checked."""
+        return self._map.failed_share
+
+    @property
+    def condition(self) -> IntArray:
+        """Return (n,): what became of each vertex, an index into `regions.condition.CONDITIONS`."""
+        return self._map.condition
 
     @property
     def altered_vertices(self) -> int:

@@ -22,11 +22,13 @@ from meshmark.cli.output import answer, described, say
 from meshmark.cli.paths import naming, staged
 from meshmark.cli.progress import progress
 from meshmark.cli.references import check_references, load_reference
+from meshmark.cli.report_origin import report_origin
 
 if TYPE_CHECKING:
     from meshmark.io import Staging
     from meshmark.marking import Authentication
     from meshmark.mesh import Mesh
+    from meshmark.report.provenance import Provenance
 
 __all__ = ["VERDICT_CODES", "authenticate"]
 
@@ -51,7 +53,8 @@ def authenticate(
         typer.Option("--map", metavar="OUT.ply", help="Also write the model with its altered parts in red."),
     ] = None,
     report: Annotated[
-        Path | None, typer.Option(metavar="OUT.html", help="Also write a page with pictures and a table.")
+        Path | None,
+        typer.Option(metavar="OUT.html", help="Also write a page with a view in 3D, pictures and a table."),
     ] = None,
     payload: Annotated[
         Path | None,
@@ -89,7 +92,8 @@ def authenticate(
         if map_ is not None:
             _write_map(mesh, found, map_, staging)
         if report is not None:
-            _write_page(mesh, found, named(model).name, report, staging)
+            origin = report_origin(mesh, model, secret, certificate=certificate, original=original)
+            _write_page(mesh, found, origin, report, staging)
         complete = payload is None or _write_payload(found, payload, staging)
     answer(
         f"{_WORDS[found.verdict]}: {named(model)}. {found.advice}{_chance(found, diagnose)}",
@@ -110,11 +114,11 @@ def _write_map(mesh: Mesh, found: Authentication, path: Path, staging: Staging) 
     write_tamper_map(mesh, found.altered, path, staging)
 
 
-def _write_page(mesh: Mesh, found: Authentication, name: str, path: Path, staging: Staging) -> None:
+def _write_page(mesh: Mesh, found: Authentication, origin: Provenance, path: Path, staging: Staging) -> None:
     from meshmark.report.authentication_page import write_authentication_page
 
     with progress("drawing"):
-        write_authentication_page(mesh, found, name, path, staging)
+        write_authentication_page(mesh, found, origin, path, staging)
 
 
 def _write_payload(found: Authentication, path: Path, staging: Staging) -> bool:

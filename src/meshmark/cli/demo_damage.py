@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from meshmark.cli.output import percent, plural
 from meshmark.cli.progress import progress
+from meshmark.cli.report_origin import report_origin
 
 if TYPE_CHECKING:
     from meshmark.coding.keys import Key
@@ -75,7 +76,8 @@ def _read_half(half: Mesh, embedded: Embedding, key: Key, places: Places, done: 
 def _edit(marked: Path, mesh: Mesh, key: Key, places: Places, done: Done) -> list[Panel]:
     from meshmark.io import read_mesh, write_mesh
     from meshmark.marking import authenticate, recover
-    from meshmark.report.authentication_page import altered_colours, write_authentication_page
+    from meshmark.report.authentication_colours import altered_colours
+    from meshmark.report.authentication_page import write_authentication_page
     from meshmark.report.demo_picture import vertex_colours
     from meshmark.report.picture import Panel
 
@@ -86,7 +88,7 @@ def _edit(marked: Path, mesh: Mesh, key: Key, places: Places, done: Done) -> lis
     with progress("checking the marks"):
         found = authenticate(suspect, key)
     page = marked.with_name("report.html")
-    write_authentication_page(suspect, found, edited.name, page)
+    write_authentication_page(suspect, found, report_origin(suspect, edited, key), page)
     done("Checked", f"with the key alone: {found.verdict}; {found.advice} {places.named(page)}")
     with progress("recovering"):
         whole = recover(suspect, key)

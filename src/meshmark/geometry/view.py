@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from meshmark.mesh import FloatArray
 
-__all__ = ["from_behind", "three_quarter_view"]
+__all__ = ["Stance", "from_behind", "level_view", "three_quarter_view"]
 
 AZIMUTH = np.deg2rad(32.0)
 ELEVATION = np.deg2rad(17.0)
@@ -24,20 +26,37 @@ UPWARDS = (
 """Directions that may be up, with how likely each is beside the others for the same footing."""
 
 
-def three_quarter_view(points: FloatArray) -> FloatArray:
-    """Return the rotation (3, 3) with rows right, up, towards the viewer.
+@dataclass(frozen=True, kw_only=True)
+class Stance:
+    """How a model stands: unit vectors along the file's axes, upwards and out of its front, at right angles."""
 
-    Up is the direction of the file's axes in which the model stands most broadly, y before z before the rest;
-    the long side is shown, turned a little and seen from above.
+    up: tuple[float, float, float]
+    front: tuple[float, float, float]
+
+
+def level_view(points: FloatArray, stance: Stance | None = None) -> FloatArray:
+    """Return the rotation (3, 3) with rows right, up, towards the viewer, who stands level in front of the model.
+
+    stance: of the model, where it is known. Otherwise up is the direction of the file's axes in which the model
+    stands most broadly, y before z before the rest, and the front is a long side.
     """
+    if stance is not None:
+        up, front = np.array(stance.up), np.array(stance.front)
+        return np.stack([np.cross(up, front), up, front])
     sample = points[:: max(1, len(points) // SAMPLE)]
     sample = sample - sample.mean(axis=0)
-    up = max(UPWARDS, key=lambda way: way[1] * (DOUBT + _footing(sample, np.array(way[0]))))[0]
+    up = np.array(max(UPWARDS, key=lambda way: way[1] * (DOUBT + _footing(sample, np.array(way[0]))))[0])
     flat = sample - np.outer(sample @ up, up)
     _, axes = np.linalg.eigh(flat.T @ flat)
     long = axes[:, 2] * np.where(axes[np.argmax(np.abs(axes[:, 2])), 2] < 0.0, -1.0, 1.0)
-    level = np.cos(AZIMUTH) * np.cross(long, up) + np.sin(AZIMUTH) * long
-    towards = np.cos(ELEVATION) * level + np.sin(ELEVATION) * np.array(up)
+    return np.stack([long, up, np.cross(long, up)])
+
+
+def three_quarter_view(points: FloatArray, stance: Stance | None = None) -> FloatArray:
+    """Return `level_view` from `AZIMUTH` to the right and `ELEVATION` above: a rotation (3, 3)."""
+    right, up, front = level_view(points, stance)
+    level = np.cos(AZIMUTH) * front + np.sin(AZIMUTH) * right
+    towards = np.cos(ELEVATION) * level + np.sin(ELEVATION) * up
     right = np.cross(up, level)
     return np.stack([right, np.cross(towards, right), towards])
 

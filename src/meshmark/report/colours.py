@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from meshmark.mesh import FloatArray, IntArray
 
-__all__ = ["heat", "oklch", "palette", "region_colours", "to_linear", "to_srgb"]
+__all__ = ["heat", "hex_colours", "lit_heat", "oklch", "palette", "region_colours", "to_linear", "to_srgb"]
 
 # OKLab to cube roots of cone responses, and cone responses to linear sRGB (B. Ottosson, 2020).
 _CONES = np.array(
@@ -43,6 +43,12 @@ def heat(values: FloatArray) -> FloatArray:
     """Return (..., 3) linear RGB for values in [0, 1]: white, amber, red, plum; lightness falls evenly."""
     t = np.clip(values, 0.0, 1.0)
     return oklch(0.95 - 0.58 * t, 0.012 + 0.20 * np.sqrt(t) * (1.0 - 0.25 * t), 95.0 - 110.0 * t)
+
+
+def lit_heat(values: FloatArray) -> FloatArray:
+    """Return `heat` up to red, for values in [0, 1] on surfaces whose shading is to be seen in the darkest
+    colour."""
+    return heat(0.82 * np.clip(values, 0.0, 1.0))
 
 
 def palette(count: int) -> FloatArray:
@@ -86,3 +92,8 @@ def to_srgb(linear: NDArray[np.floating[Any]]) -> NDArray[np.uint8]:
     table = np.round(255.0 * curve).astype(np.uint8)
     picture: NDArray[np.uint8] = table.take((np.clip(linear, 0.0, 1.0) * 4095.0 + 0.5).astype(np.int32))
     return picture
+
+
+def hex_colours(linear: FloatArray) -> list[str]:
+    """Return "#rrggbb" for each of (k, 3) linear RGB colours."""
+    return ["#" + bytes(row).hex() for row in to_srgb(linear)]

@@ -15,14 +15,15 @@ if TYPE_CHECKING:
 
 __all__ = ["html_page", "trusted"]
 
+_CODE = re.compile("`([^`]+)`")
 _POWER = re.compile(r"\^(−?\d+)")
 
 
 def html_page(template: str, folder: str, **values: Any) -> str:
     """Return the page of a template in `templates` of a folder of meshmark; it may extend those of `report`.
 
-    In templates the filter `prose` keeps a unit beside its number and raises exponents. A value that a template
-    names and does not get is an error.
+    In templates the filter `prose` keeps a unit beside its number, raises exponents, and sets what stands between
+    backticks as code. A value that a template names and does not get is an error.
     """
     return _environment(folder).get_template(template).render(**values)
 
@@ -48,7 +49,8 @@ def _environment(folder: str) -> Environment:
 
 
 def _prose(text: str) -> Markup:
-    """Return escaped text in which no line begins with a unit, and powers are raised."""
+    """Return escaped text in which no line begins with a unit, powers are raised, and `commands` are code."""
     from markupsafe import escape
 
-    return trusted(_POWER.sub(r"<sup>\1</sup>", str(escape(text)).replace(" %", "&nbsp;%")))
+    plain = _CODE.sub(r"<code>\1</code>", str(escape(text)).replace(" %", "&nbsp;%"))
+    return trusted(_POWER.sub(r"<sup>\1</sup>", plain))

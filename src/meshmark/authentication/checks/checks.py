@@ -46,11 +46,14 @@ class Checks:
     in different places. requantised: the marks bear a grid of 14 bits, and the coordinates were rounded about as
     coarsely. speak: the marks are evidence, as a model's id is known or they are those of a small model.
     signed: of a small model whose id is known, how many points it was marked with, 0 where they were not counted.
+    elsewhere: (p,) marks that hold, but lie where they were not made: those of parts that were moved as one, or
+    pasted.
     """
 
     eligible: NDArray[np.bool_]
     passed: NDArray[np.bool_]
     verified: NDArray[np.bool_]
+    elsewhere: NDArray[np.bool_]
     nonce: int | None
     carried: Carried
     held: Carried
@@ -123,6 +126,7 @@ def check(surface: Surface, key: Key, nonce: int | None = None, payload: Expecte
         evidence,
         lucky=int(swept.rounded),
     )
+    elsewhere = passed & ~placed.believed
     passed = placed.believed
     pairs = pairs[passed[pairs[:, 0]]]
     held = read.holds & (found.kind == PAYLOAD)
@@ -135,6 +139,7 @@ def check(surface: Surface, key: Key, nonce: int | None = None, payload: Expecte
         eligible=able,
         passed=passed,
         verified=_vouched(pairs, passed) & ~new_boundary,
+        elsewhere=elsewhere,
         nonce=nonce if layout.pieces_only else swept.nonce,
         signed=signed,
         carried=carried(found.take(decoded), read.symbol[decoded], plain[decoded]),
@@ -261,6 +266,7 @@ def _nothing(count: int) -> Checks:
         eligible=no,
         passed=no,
         verified=no,
+        elsewhere=no,
         nonce=None,
         carried=none,
         held=none,

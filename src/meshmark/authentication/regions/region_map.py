@@ -8,9 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshmark.authentication.examination import Examination
+from meshmark.authentication.regions.condition import CONDITIONS, conditions
+from meshmark.authentication.regions.failed_share import failed_share
 from meshmark.authentication.regions.region import Region, judge_regions
 from meshmark.authentication.regions.region_evidence import region_evidence
+from meshmark.geometry.view import Stance
 from meshmark.mesh import FloatArray, IntArray, Mesh
+from meshmark.scene.stance import stance_of
 from meshmark.segmentation.analysis import segment
 from meshmark.segmentation.map_segmentation import Regions
 from meshmark.segmentation.region_labels import region_labels
@@ -18,12 +22,19 @@ from meshmark.segmentation.region_labels import region_labels
 __all__ = ["RegionMap", "region_map"]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class RegionMap:
-    """regions: of the map, in their order; region: (n,) the one of each vertex of the file."""
+    """regions: of the map, in their order; region: (n,) the one of each vertex of the file.
+
+    failed_share: (n,) share of the checks around each vertex that failed, 0 to 1, NaN where nothing was checked.
+    condition: (n,) of each vertex, an index into `CONDITIONS`. stance: of the model, where its file says so.
+    """
 
     regions: tuple[Region, ...]
     region: IntArray
+    failed_share: FloatArray
+    condition: IntArray
+    stance: Stance | None = None
 
     def places(self) -> list[str]:
         """Return where the altered regions lie, in words, the most altered first, each place once."""
@@ -34,7 +45,9 @@ class RegionMap:
         """Return where in the model of `vertices` (n, 3) `some` (n,) of them lie, in words, region by region."""
         regions = np.unique(self.region[some])
         middles = [vertices[some & (self.region == region)].mean(axis=0) for region in regions]
-        return list(dict.fromkeys(region_labels(vertices, np.array(middles)))) if middles else []
+        if not middles:
+            return []
+        return list(dict.fromkeys(region_labels(vertices, np.array(middles), self.stance)))
 
 
 def region_map(mesh: Mesh, found: Examination, altered: NDArray[np.bool_]) -> RegionMap:
@@ -59,9 +72,22 @@ def region_map(mesh: Mesh, found: Examination, altered: NDArray[np.bool_]) -> Re
             replace(region, verdict=called, probability=chance, checks=0, failed=0, log10_chance=0.0)
             for region in judged
         )
-    words = region_labels(points, centres)
+    stance = stance_of(mesh)
+    words = region_labels(points, centres, stance)
     judged = tuple(replace(region, where=where) for region, where in zip(judged, words, strict=True))
-    return RegionMap(judged, map_.region)
+    if found.marked:
+        share = failed_share(found.surface.graph, found.checks, altered)
+        condition = conditions(found.surface.graph, found.checks, altered)
+    else:
+        share = np.full(len(points), np.nan)
+        condition = np.full(len(points), CONDITIONS.index("altered" if altered.any() else "unchecked"))
+    return RegionMap(
+        regions=judged,
+        region=map_.region,
+        failed_share=share[found.surface.point_of_vertex],
+        condition=condition[found.surface.point_of_vertex],
+        stance=stance,
+    )
 
 
 def _centres(

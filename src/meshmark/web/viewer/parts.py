@@ -16,15 +16,15 @@ FOLDER = Path(__file__).parent
 class ViewerParts:
     """The viewer as text.
 
-    script: an ES module that exports `createViewer(element, view)`, three.js within. It also starts a viewer in each
-    element of its page with `data-view="ID"`, ID being that of a script element of type application/json that holds
-    a view (`meshmark.report.view`), and lets buttons with `data-theme-switch` choose light or dark.
-    style: its style sheet. licence: of three.js.
+    script: an ES module that exports `createViewer(element, view)`, with three.js and its licence. It also starts
+    a viewer in each element of its page with `data-view="ID"`, ID being that of a script element of type
+    application/json that holds a view (`meshmark.report.view`), and lets buttons with `data-theme-switch` choose
+    light or dark.
+    style: its style sheet.
     """
 
     script: str
     style: str
-    licence: str
 
 
 @cache
@@ -33,5 +33,4 @@ def viewer_parts() -> ViewerParts:
     return ViewerParts(
         script=(FOLDER / "viewer.bundle.js").read_text(encoding="utf-8"),
         style=(FOLDER / "viewer.css").read_text(encoding="utf-8"),
-        licence=(FOLDER / "THREE-LICENSE").read_text(encoding="utf-8"),
     )

@@ -35,9 +35,10 @@ export function buttons(actions) {
 /** Put the legend of a layer into an element. */
 export function showLegend(element, layer) {
   const parts = [];
-  if (layer.kind === "heat") parts.push(scale(layer));
-  if (layer.kind === "categories") parts.push(entries(layer.legend.entries.filter((entry) => entry.label)));
-  if (layer.legend?.missing) parts.push(entries([layer.legend.missing]));
+  const { ticks, entries: categories = [], missing } = layer.legend ?? {};
+  const named = [...categories.filter((entry) => entry.label), ...(missing ? [missing] : [])];
+  if (ticks) parts.push(scale(layer));
+  if (named.length) parts.push(swatches(named));
   if (layer.note) parts.push(make("p", {}, layer.note));
   element.replaceChildren(...parts);
 }
@@ -51,14 +52,13 @@ function scale(layer) {
     tick.style.left = `${100 * at}%`;
     return tick;
   });
-  const name = layer.unit ? `${layer.title}, ${layer.unit}` : layer.title;
   return make(
     "div", { class: "viewer-scale" },
-    make("span", { class: "viewer-scale-name" }, name), bar, make("div", { class: "viewer-ticks" }, ...numbers),
+    ...(layer.unit ? [make("span", { class: "viewer-scale-name" }, layer.unit)] : []), bar, make("div", { class: "viewer-ticks" }, ...numbers),
   );
 }
 
-function entries(list) {
+function swatches(list) {
   const items = list.map(({ label, colour }) => {
     const swatch = make("span", { class: "viewer-swatch", "aria-hidden": "true" });
     swatch.style.background = colour;

@@ -8,7 +8,7 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { cornerNormals } from "./normals.js";
 
 const FIELD = 28; // degrees, the camera's field of view upright
-const START = { azimuth: 0.5, elevation: 0.28 }; // radians from the front, and above
+const START = { azimuth: 0.5585, elevation: 0.2967 }; // radians to the right of the front, and above it
 const MARGIN = 1.1;
 const TURN = 0.12, STEP = 0.06, CLOSER = 0.85; // of one press of a key: radians, part of the distance, factor
 const RESET = 280; // milliseconds
@@ -37,10 +37,10 @@ export class Stage {
   }
 
   #light() {
-    this.scene.add(new HemisphereLight(0xffffff, 0xb9b2a6, 1.25));
-    const key = new DirectionalLight(0xfffaf2, 1.9);
+    this.scene.add(new HemisphereLight(0xffffff, 0x8f8a82, 1.05));
+    const key = new DirectionalLight(0xfffaf2, 2.0);
     key.position.set(-0.9, 1.1, 1.2);
-    const fill = new DirectionalLight(0xe6eeff, 0.5);
+    const fill = new DirectionalLight(0xe6eeff, 0.35);
     fill.position.set(1.2, -0.1, 0.8);
     const rim = new DirectionalLight(0xffffff, 0.45);
     rim.position.set(0.3, 0.6, -1.2);

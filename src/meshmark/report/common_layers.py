@@ -1,0 +1,62 @@
+"""Layers that views of any report have: the surface in its own colours, and its saliency."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from meshmark.mesh import FloatArray, Mesh
+from meshmark.report.view_layer import Layer, heat_layer, surface_layer
+
+__all__ = ["ROOT_TICKS", "displacement_layer", "own_surface", "saliency_layer"]
+
+ROOT_TICKS = tuple(
+    (share**0.5, label) for share, label in ((0.0, "0"), (0.05, "0.05"), (0.3, "0.3"), (1.0, "1"))
+)
+"""Ticks of a scale of square roots."""
+
+
+def own_surface(mesh: Mesh) -> Layer:
+    """Return the surface in the colours that its file has for each vertex, else in clay."""
+    attributes = None if mesh.document is None else mesh.document.attributes()
+    colours = None if attributes is None else attributes.colors
+    if colours is None or len(colours) != len(mesh.vertices):
+        return surface_layer(None)
+    return surface_layer(np.asarray(colours[:, :3], np.uint8))
+
+
+def saliency_layer(mesh: Mesh) -> Layer:
+    """Return how much each place stands out, on a scale of square roots (`meshmark saliency`)."""
+    from meshmark.saliency.analysis import points_and_saliency
+
+    welded, found = points_and_saliency(mesh)
+    beta = np.sqrt(found.beta[welded.point_of_vertex])
+    return heat_layer(
+        "saliency",
+        "Saliency",
+        beta,
+        ROOT_TICKS,
+        note="How much a place stands out from its surroundings; eyes go there first.",
+    )
+
+
+def displacement_layer(
+    before: FloatArray, after: FloatArray, title: str = "Displacement", *, note: str = ""
+) -> Layer:
+    """Return how far each vertex moved, in per cent of the diagonal of the bounding box before.
+
+    before, after: (n, 3) in the same order. The scale ends at the largest movement.
+    """
+    moved = np.linalg.norm(after - before, axis=1)
+    diagonal = float(np.linalg.norm(np.ptp(before, axis=0))) or 1.0
+    largest = float(moved.max(initial=0.0))
+    ticks = (
+        [(at, f"{100 * at * largest / diagonal:.2g}") for at in (0.0, 0.5, 1.0)] if largest else [(0.0, "0")]
+    )
+    return heat_layer(
+        "displacement",
+        title,
+        moved / (largest or 1.0),
+        ticks,
+        unit="Displacement, % of the diagonal",
+        note=note,
+    )

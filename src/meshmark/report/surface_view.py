@@ -1,0 +1,102 @@
+"""An interactive view as JSON: a surface and its layers, which `createViewer` of the viewer takes."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshmark.geometry.view import Stance
+from meshmark.mesh import Mesh
+from meshmark.report.view_layer import Layer
+from meshmark.report.view_surface import LARGEST, ViewSurface, view_surface
+
+__all__ = ["surface_view"]
+
+_GRID = 65535
+_TYPES = {"uint8": "u1", "uint16": "<u2", "uint32": "<u4"}
+
+
+def surface_view(
+    mesh: Mesh,
+    layers: Sequence[Layer],
+    *,
+    start: str,
+    label: str,
+    stance: Stance | None = None,
+    most: int = LARGEST,
+) -> dict[str, Any]:
+    """Return a view of a mesh, ready for `json.dumps`.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Of n vertices.
+    layers : sequence of Layer
+        Their values in the order of the mesh's vertices.
+    start : str
+        Name of the layer that is shown first.
+    label : str
+        What the view shows, for who cannot see it.
+    stance : Stance, optional
+        How the model stands, where its file says so.
+    most : int
+        Triangles; of a larger mesh the view has fewer, and says so. Its points take values of vertices that remain.
+
+    Returns
+    -------
+    dict
+        vertices, faces (counts), positions (uint16 on a grid over `box`), triangles (uint32), layers, start, label,
+        note. Arrays are {"type", "data"}: little-endian, in base64.
+
+    Raises
+    ------
+    InputError
+        There is no triangle with three different points.
+    """
+    shown = view_surface(mesh, stance, most=most)
+    low, high = shown.points.min(axis=0), shown.points.max(axis=0)
+    scale = (
+        float((high - low).max()) or 1.0
+    )  # the viewer's numbers are single: none is too large or too small
+    grid = np.round((shown.points - low) / np.where(high > low, high - low, 1.0) * _GRID)
+    return {
+        "vertices": len(shown.points),
+        "faces": len(shown.faces),
+        "box": {"low": [0.0, 0.0, 0.0], "high": ((high - low) / scale).tolist()},
+        "positions": _packed(grid, "uint16"),
+        "triangles": _packed(shown.faces, "uint32"),
+        "layers": [_layer(layer, shown) for layer in layers],
+        "start": start,
+        "label": label,
+        "note": _note(shown),
+    }
+
+
+def _layer(layer: Layer, shown: ViewSurface) -> dict[str, Any]:
+    values = None
+    if layer.values is not None:
+        values = _packed(layer.values[shown.vertex], "uint16" if layer.kind == "categories" else "uint8")
+    return {
+        "name": layer.name,
+        "title": layer.title,
+        "kind": layer.kind,
+        "values": values,
+        "legend": layer.legend,
+        "unit": layer.unit,
+        "note": layer.note,
+    }
+
+
+def _packed(values: NDArray[Any], kind: str) -> dict[str, str]:
+    data = np.ascontiguousarray(values).astype(_TYPES[kind]).tobytes()
+    return {"type": kind, "data": base64.b64encode(data).decode("ascii")}
+
+
+def _note(shown: ViewSurface) -> str:
+    if shown.shown_of is None:
+        return ""
+    return f"The view shows {len(shown.faces):,} of {shown.shown_of:,} triangles."
