@@ -10,6 +10,7 @@ import pytest
 
 from meshmark.io import write_mesh
 from meshmark.mesh import Mesh
+from meshmark.registry.registry import Registry
 from tests.shapes import pebble
 from tests.web.server.served import Served, serving
 
@@ -21,6 +22,16 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
         with served.client() as client:
             assert client.post("/api/keys", json={"label": "studio"}).status_code == 201
         yield served
+
+
+@pytest.fixture(scope="session")
+def registry_server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Served, str]]:
+    """A server with a registry, bound to more than this computer, without a key; and its token."""
+    folder = tmp_path_factory.mktemp("registry")
+    Registry.create(folder / "copies.db")[0].database.close()
+    with serving(folder, "--host", "0.0.0.0", "--registry", str(folder / "copies.db")) as served:
+        assert served.process.stderr is not None
+        yield served, served.process.stderr.readline().split()[-1]
 
 
 @pytest.fixture(scope="session")

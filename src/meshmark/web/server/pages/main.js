@@ -15,12 +15,12 @@ async function begin() {
   document.getElementById("version").textContent = server.version;
   document.getElementById("kept").textContent = time(server.kept_seconds);
   document.getElementById("tab-registry").hidden = !server.registry;
-  document.querySelector(".tabs").hidden = false;
   for (const form of document.querySelectorAll("form[data-job]")) startForm(form, server);
   startKeys();
   startRegistry();
-  await loadKeys();
   startTabs((name) => { if (name === "registry") loadRegistry().catch(broken); });
+  document.querySelector(".tabs").hidden = false;
+  await loadKeys();
   document.body.dataset.state = "ready";
 }
 
