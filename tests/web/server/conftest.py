@@ -25,13 +25,12 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
 
 
 @pytest.fixture(scope="session")
-def registry_server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Served, str]]:
-    """A server with a registry, bound to more than this computer, without a key; and its token."""
+def registry_server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
+    """A server with a registry, bound to more than this computer, without a key."""
     folder = tmp_path_factory.mktemp("registry")
     Registry.create(folder / "copies.db")[0].database.close()
     with serving(folder, "--host", "0.0.0.0", "--registry", str(folder / "copies.db")) as served:
-        assert served.process.stderr is not None
-        yield served, served.process.stderr.readline().split()[-1]
+        yield served
 
 
 @pytest.fixture(scope="session")

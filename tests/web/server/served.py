@@ -21,20 +21,22 @@ OVER = ("done", "failed", "cancelled")
 
 @dataclass(frozen=True, kw_only=True)
 class Served:
-    """A running server: its address, its folder of keys, its folder of temporary files, the first of its keys."""
+    """A running server: its address, folders of keys and of temporary files, and its token where it has one."""
 
     url: str
     keys: Path
     temporary: Path
     process: subprocess.Popen[str]
     log: Path
+    token: str = ""
 
     @property
     def key(self) -> Path:
         return self.keys / "studio.key"
 
     def client(self) -> httpx.Client:
-        return httpx.Client(base_url=self.url, timeout=120, trust_env=False)
+        headers = {"authorization": f"Bearer {self.token}"} if self.token else {}
+        return httpx.Client(base_url=self.url, timeout=120, trust_env=False, headers=headers)
 
     def begin(self, action: str, *files: Path, client: httpx.Client, **fields: Any) -> httpx.Response:
         """POST a job; fields that are paths are uploaded as well."""
@@ -92,7 +94,8 @@ def serving(folder: Path, *options: str, environment: Mapping[str, str] | None =
             address = re.search(r"http://(\S+:\d+)/", first)
             assert address is not None, first + process.stderr.read()
             url = f"http://{address[1].replace('0.0.0.0', '127.0.0.1')}"
-            yield Served(url=url, keys=keys, temporary=temporary, process=process, log=log)
+            token = process.stderr.readline().split()[-1] if "0.0.0.0" in address[1] else ""
+            yield Served(url=url, keys=keys, temporary=temporary, process=process, log=log, token=token)
         finally:
             process.send_signal(signal.SIGINT)
             try:

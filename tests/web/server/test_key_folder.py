@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from meshmark.coding.keys import Key
@@ -51,6 +51,7 @@ def test_only_keys_are_listed_and_those_that_cannot_be_used_say_why(folder):
     assert (first.fingerprint, third.fingerprint, second.problem) == (None, None, None)
 
 
+@settings(max_examples=40)
 @given(st.text(max_size=80) | st.sampled_from(["..", "../a", "a/b", ".a", "-a", "a\n", "a\0", "A" * 65]))
 def test_a_label_names_a_file_within_the_folder_or_is_refused(tmp_path_factory, label):
     folder = KeyFolder(tmp_path_factory.getbasetemp())
