@@ -16,13 +16,13 @@ def test_the_bundle_is_of_the_sources_and_the_pinned_packages():
     made_of = hashlib.sha256()
     for path in some(sorted((FOLDER / "source").iterdir()), least=5):
         made_of.update(path.read_bytes())
-    packages = json.loads((ROOT / "tools" / "package.json").read_text())["devDependencies"]
+    packages = json.loads((ROOT / "tools" / "viewer" / "package.json").read_text())["devDependencies"]
     first = viewer_parts().script.splitlines()[0]
     expected = (
         f"/* meshmark viewer, sources {made_of.hexdigest()}, three {packages['three']},"
         f" esbuild {packages['esbuild']}."
     )
-    assert first == expected, "node tools/build_viewer.mjs"
+    assert first == expected, "node tools/viewer/build_viewer.mjs"
 
 
 def test_the_bundle_can_stand_within_a_page_and_names_the_licence_of_three():

@@ -18,6 +18,7 @@ from meshmark.geometry.surface import Surface
 from meshmark.io.derived import derived, losses
 from meshmark.io.file_precision import conform
 from meshmark.mesh import IntArray, Mesh
+from meshmark.notebook import notebook_table
 from meshmark.recovery.borders import border_edges
 from meshmark.recovery.repair import Recovered
 from meshmark.recovery.repair import recover as recover_surface
@@ -55,6 +56,19 @@ class Recovery:
     advice: str
     seconds: float
     lost: tuple[str, ...] = ()
+
+    def _repr_html_(self) -> str:
+        return notebook_table(
+            "Not recovered" if self.mesh is None else "Recovered",
+            [
+                ("What was done", self.advice),
+                ("Altered", f"{100 * self.altered_area_fraction:.2g} % of the surface"),
+                ("Moved back", f"{self.vertices_moved:,} vertices" if self.vertices_moved else ""),
+                ("Cut out", f"{self.vertices_removed:,} vertices" if self.vertices_removed else ""),
+                ("Added", f"{self.faces_added:,} faces" if self.faces_added else ""),
+                ("Not kept", ", ".join(self.lost)),
+            ],
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON fields."""

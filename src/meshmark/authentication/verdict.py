@@ -25,6 +25,7 @@ from meshmark.coding.elapsed import rounded_up
 from meshmark.coding.keys import Key
 from meshmark.coding.message import format_id
 from meshmark.mesh import FloatArray, IntArray, Mesh
+from meshmark.notebook import notebook_table
 from meshmark.ownership.extraction import MODES
 from meshmark.threads import on_one_thread
 
@@ -95,6 +96,20 @@ class Authentication:
     def altered_vertices(self) -> int:
         """Return how many vertices of the file are altered."""
         return int(self.altered.sum())
+
+    def _repr_html_(self) -> str:
+        share = self.altered_area_fraction
+        altered = f"{self.altered_vertices:,} vertices, {100 * share:.2g} % of the surface"
+        return notebook_table(
+            self.verdict.replace("_", " ").capitalize(),
+            [
+                ("What was found", self.advice),
+                ("Altered", altered if self.altered_vertices else ""),
+                ("Id", "" if self.id is None else format_id(self.id)),
+                ("Payload", self.payload),
+                ("Read with", self.mode),
+            ],
+        )
 
     def to_dict(self, *, diagnose: bool = False) -> dict[str, Any]:
         """Return the JSON fields; the bound in `BANDS` and the time in `SECONDS` unless `diagnose`."""

@@ -17,6 +17,7 @@ from meshmark.cli.options import (
     ModelFormatIn,
     ModelIn,
     OriginalIn,
+    ReportOut,
 )
 from meshmark.cli.output import answer, described, say
 from meshmark.cli.paths import naming, staged
@@ -52,10 +53,7 @@ def authenticate(
         Path | None,
         typer.Option("--map", metavar="OUT.ply", help="Also write the model with its altered parts in red."),
     ] = None,
-    report: Annotated[
-        Path | None,
-        typer.Option(metavar="OUT.html", help="Also write a page with a view in 3D, pictures and a table."),
-    ] = None,
+    report: ReportOut = None,
     payload: Annotated[
         Path | None,
         typer.Option(

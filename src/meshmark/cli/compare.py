@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from meshmark.cli.model_input import named, read_model
-from meshmark.cli.options import AsJson, ModelFormatIn
+from meshmark.cli.options import AsJson, Force, ModelFormatIn
 from meshmark.cli.output import answer, described, percent
-from meshmark.cli.paths import STANDARD_INPUT, naming
+from meshmark.cli.paths import STANDARD_INPUT, naming, staged
 from meshmark.errors import InputError
 
 if TYPE_CHECKING:
@@ -23,7 +23,13 @@ __all__ = ["compare"]
 def compare(
     a: Annotated[Path, typer.Argument(metavar="A", help="The model to compare with, such as the original.")],
     b: Annotated[Path, typer.Argument(metavar="B", help="The model to judge, such as the marked one.")],
+    *,
+    picture: Annotated[
+        Path | None,
+        typer.Option(metavar="OUT.png", help="Also draw A, B, and how far B is from A in % of the diagonal."),
+    ] = None,
     format: ModelFormatIn = None,
+    force: Force = False,
     as_json: AsJson = False,
 ) -> int:
     """Measure how far apart two models are.
@@ -38,16 +44,22 @@ def compare(
         raise InputError(
             "only one of the two models can come from standard input, expected a file for the other"
         )
+    staging = staged([(picture, ".png")], [a, b], force)
     piped = STANDARD_INPUT in (a, b)
     first, second = (
-        read_model(path, None if piped and path != STANDARD_INPUT else format) for path in (a, b)
+        read_model(path, None if piped and path != STANDARD_INPUT else format, staging) for path in (a, b)
     )
     from meshmark.metrics import compare as measure
 
     with naming(named(a), named(b)):
         result = measure(first, second)
+        if picture is not None:
+            from meshmark.report.displacement_picture import displacement_picture
+
+            with staging:
+                displacement_picture(first, second, picture, staging=staging)
     counts = len(first.vertices), len(second.vertices)
-    answer(_words(result, counts), described(result.to_dict(), [a, b]), as_json)
+    answer(_words(result, counts), described(result.to_dict(), [a, b], {"picture": picture}), as_json)
     return 0
 
 

@@ -17,6 +17,7 @@ from meshmark.cli.options import (
     ModelFormatIn,
     ModelIn,
     ModelOut,
+    ReportOut,
     Strength,
     Tolerance,
 )
@@ -24,6 +25,7 @@ from meshmark.cli.output import answer, described, percent, plural, say
 from meshmark.cli.paths import naming, staged, written_beside
 from meshmark.cli.progress import progress
 from meshmark.cli.registry_option import RegistryIn, open_registry
+from meshmark.cli.report_origin import written_origin
 from meshmark.errors import InputError
 
 if TYPE_CHECKING:
@@ -80,6 +82,7 @@ def embed(
             metavar="OUT.png", help="Also draw the original, the marked model, and the change of its shading."
         ),
     ] = None,
+    report: ReportOut = None,
     recipient: Annotated[
         str | None,
         typer.Option(
@@ -116,7 +119,7 @@ def embed(
 
     carried = payload if payload in (None, "miniature", "none") else Path(str(payload))
     inputs = [model, key, carried if isinstance(carried, Path) else None]
-    staging = staged([(out, None), (certificate, None), (picture, ".png")], inputs, force)
+    staging = staged([(out, None), (certificate, None), (picture, ".png"), (report, ".html")], inputs, force)
     number = None if identity is None else parse_id(identity)
     if recipient is not None and not registry:
         raise InputError("--to is kept in a registry, expected --registry as well")
@@ -159,14 +162,19 @@ def embed(
             from meshmark.report.shading_change import shading_picture
 
             shading_picture(mesh, result.mesh, picture, staging=staging)
+        if report is not None:
+            from meshmark.report.embedding_page import write_embedding_page
+
+            origin = written_origin(staging, out, secret)
+            write_embedding_page(mesh, result, origin, report, staging)
         if entry is not None:
             entry.complete(result, staging.staged(out))
     for remark in result.remarks:
         say(f"meshmark: {remark}")
-    fields = {**result.to_dict(), "side_files": written_beside(staging, [out, certificate, picture])}
+    fields = {**result.to_dict(), "side_files": written_beside(staging, [out, certificate, picture, report])}
     if entry is not None:
         fields["recipient"] = recipient
-    outputs = {"model": out, "certificate": certificate, "picture": picture}
+    outputs = {"model": out, "certificate": certificate, "picture": picture, "report": report}
     answer(_words(result, named(model), out), described(fields, model, outputs, secret), as_json)
     return 0
 

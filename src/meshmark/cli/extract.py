@@ -14,18 +14,20 @@ from meshmark.cli.options import (
     AsJson,
     CertificateIn,
     Diagnose,
-    ForceKey,
+    ForceKeyed,
     KeyFile,
     ModelFormatIn,
     ModelIn,
     OriginalIn,
+    ReportOut,
     Search,
 )
 from meshmark.cli.output import answer, described
-from meshmark.cli.paths import naming
+from meshmark.cli.paths import naming, staged
 from meshmark.cli.progress import progress
 from meshmark.cli.references import check_references, load_ids, load_reference
 from meshmark.cli.registry_option import RegistryIn, open_registry
+from meshmark.cli.report_origin import report_origin
 
 if TYPE_CHECKING:
     from meshmark.marking import Extraction
@@ -58,9 +60,10 @@ def extract(
             metavar="SECONDS", help="Stop after this many seconds; without it, everything is tried."
         ),
     ] = None,
+    report: ReportOut = None,
     format: ModelFormatIn = None,
     diagnose: Diagnose = False,
-    force: ForceKey = False,
+    force: ForceKeyed = False,
     as_json: AsJson = False,
 ) -> int:
     """Look for a mark, by the key alone or with a reference.
@@ -78,9 +81,10 @@ def extract(
     from meshmark.coding.keys import Key
 
     check_references(certificate, original)
+    staging = staged([(report, ".html")], [model, key, certificate, original, among], force)
     secret = Key.load(key, force=force)
-    mesh = read_model(model, format)
-    reference = load_reference(certificate, original)
+    mesh = read_model(model, format, staging)
+    reference = load_reference(certificate, original, staging)
     ids = () if among is None else load_ids(among)
     with ExitStack() as stack:
         stack.enter_context(progress("looking for the mark"))
@@ -98,8 +102,14 @@ def extract(
                 mesh, secret, reference=reference, search=search.value, time_limit=time_limit, among=ids
             )
             recipients = [] if opened is None else opened.recipients(found.ids, secret.fingerprint)
-    fields = described(found.to_dict(diagnose=diagnose), model, key=secret)
     named_ones = [each for each in recipients if each is not None]
+    if report is not None:
+        origin = report_origin(mesh, model, secret, certificate=certificate, original=original)
+        from meshmark.report.extraction_page import write_extraction_page
+
+        with progress("drawing"), staging:
+            write_extraction_page(mesh, found, origin, report, recipients=named_ones, staging=staging)
+    fields = described(found.to_dict(diagnose=diagnose), model, {"report": report}, secret)
     fields["recipient"] = named_ones[0] if len(recipients) == 1 and named_ones else None
     fields["recipients"] = named_ones
     answer(_words(found, named(model), diagnose, named_ones), fields, as_json)

@@ -21,6 +21,7 @@ __all__ = [
     "ModelOut",
     "OriginalIn",
     "Picture",
+    "ReportOut",
     "Search",
     "Strength",
     "Tolerance",
@@ -110,6 +111,12 @@ Diagnose = Annotated[
 ]
 Picture = Annotated[
     Path | None, typer.Option("--picture", metavar="OUT.png", help="Also draw the model as a PNG picture.")
+]
+ReportOut = Annotated[
+    Path | None,
+    typer.Option(
+        "--report", metavar="OUT.html", help="Also write a page with a view in 3D, pictures and a table."
+    ),
 ]
 _CERTIFICATE = typer.Option("--certificate", metavar="CERT", help="The certificate made at embedding.")
 CertificateIn = Annotated[Path | None, _CERTIFICATE]

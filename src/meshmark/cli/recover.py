@@ -2,12 +2,33 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, NamedTuple
+
+import typer
+
 from meshmark.cli.model_input import named, read_model
-from meshmark.cli.options import AsJson, CertificateIn, ForceKeyed, KeyFile, ModelFormatIn, ModelIn, ModelOut
+from meshmark.cli.options import (
+    AsJson,
+    CertificateIn,
+    ForceKeyed,
+    KeyFile,
+    ModelFormatIn,
+    ModelIn,
+    ModelOut,
+    ReportOut,
+)
 from meshmark.cli.output import answer, described, percent, plural, say
 from meshmark.cli.paths import naming, staged, written_beside
 from meshmark.cli.progress import progress
 from meshmark.cli.references import load_reference
+from meshmark.cli.report_origin import written_origin
+
+if TYPE_CHECKING:
+    from meshmark.io import Staging
+    from meshmark.marking import Authentication, Recovery
+    from meshmark.mesh import Mesh
+    from meshmark.report.provenance import Provenance
 
 __all__ = ["recover"]
 
@@ -18,6 +39,13 @@ def recover(
     out: ModelOut,
     key: KeyFile,
     certificate: CertificateIn = None,
+    picture: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="OUT.png", help="Also draw IN, what was altered in it, and the recovered model."
+        ),
+    ] = None,
+    report: ReportOut = None,
     format: ModelFormatIn = None,
     force: ForceKeyed = False,
     as_json: AsJson = False,
@@ -32,11 +60,12 @@ def recover(
     from meshmark.coding.keys import Key
     from meshmark.io import check_extension, uncompressed, write_mesh
 
-    staging = staged([(out, None)], [model, key, certificate], force)
+    staging = staged([(out, None), (picture, ".png"), (report, ".html")], [model, key, certificate], force)
     check_extension(out, model)
     secret = Key.load(key, force=force)
     mesh = read_model(model, format, staging)
     reference = load_reference(certificate)
+    from meshmark.marking import authenticate as judge
     from meshmark.marking import recover as bring_back
 
     with progress("recovering"), naming(named(model)):
@@ -48,17 +77,46 @@ def recover(
     if found.lost:
         say(f"meshmark: {out.name} will not hold the model's {', '.join(found.lost)}: its faces change")
     with staging:
-        report = write_mesh(found.mesh, out, staging=staging)
-    for remark in uncompressed(report, out):
+        saved = write_mesh(found.mesh, out, staging=staging)
+        if picture is not None or report is not None:
+            with progress("drawing"):
+                before = judge(mesh, secret, reference=reference)
+                origin = written_origin(staging, out, secret, certificate=certificate)
+                _show(_Shown(mesh, before, found, origin), picture, report, staging)
+    for remark in uncompressed(saved, out):
         say(f"meshmark: {remark}")
-    if report.dropped:
-        say(f"meshmark: {out.name} cannot hold the model's {', '.join(report.dropped)}")
+    if saved.dropped:
+        say(f"meshmark: {out.name} cannot hold the model's {', '.join(saved.dropped)}")
     words = (
-        f"Recovered: {named(model)} -> {out}; {percent(found.altered_area_fraction)} of the surface was altered; "
+        f"Recovered: {named(model)} -> {out}; {percent(found.altered_area_fraction)} of the surface was altered, "
+        f"the rest is as signed off; "
         f"{plural(found.vertices_moved, 'vertex/vertices')} moved, "
         f"{plural(found.vertices_removed, 'vertex/vertices')} cut out, {plural(found.faces_added, 'face')} added. "
         f"{found.advice}"
     )
-    fields = {**found.to_dict(), "side_files": written_beside(staging, [out])}
-    answer(words, described(fields, model, {"model": out}, secret), as_json)
+    fields = {**found.to_dict(), "side_files": written_beside(staging, [out, picture, report])}
+    answer(
+        words, described(fields, model, {"model": out, "picture": picture, "report": report}, secret), as_json
+    )
     return 0
+
+
+class _Shown(NamedTuple):
+    """What pictures and pages of a recovery show."""
+
+    suspect: Mesh
+    found: Authentication
+    made: Recovery
+    origin: Provenance
+
+
+def _show(shown: _Shown, picture: Path | None, report: Path | None, staging: Staging) -> None:
+    """Draw the picture and write the page of a recovery that has a mesh."""
+    from meshmark.report.recovery_page import recovery_report
+    from meshmark.report.recovery_triptych import recovery_triptych
+    from meshmark.report.report_page import write_report_page
+
+    if picture is not None and shown.made.mesh is not None:
+        recovery_triptych(shown.suspect, shown.found, shown.made.mesh, picture, staging=staging)
+    if report is not None:
+        write_report_page(recovery_report(*shown), report, staging)

@@ -9,10 +9,11 @@ from meshmark.cli.model_input import named
 
 if TYPE_CHECKING:
     from meshmark.coding.keys import Key
+    from meshmark.io import Staging
     from meshmark.mesh import Mesh
     from meshmark.report.provenance import Provenance
 
-__all__ = ["report_origin"]
+__all__ = ["report_origin", "written_origin"]
 
 
 def report_origin(
@@ -27,4 +28,13 @@ def report_origin(
         reference = f"the key and the certificate {certificate.name}"
     if original is not None:
         reference = f"the key and the original {original.name}"
-    return provenance(named(model).name, [model, *input_files(mesh)], key.fingerprint, reference)
+    files = {path.name: path for path in (model, *input_files(mesh))}
+    return provenance(named(model).name, files, key.fingerprint, reference)
+
+
+def written_origin(staging: Staging, out: Path, key: Key, *, certificate: Path | None = None) -> Provenance:
+    """Return the provenance of a report about a model that a command writes, while its files are being staged."""
+    from meshmark.report.provenance import provenance
+
+    reference = "" if certificate is None else f"the key and the certificate {certificate.name}"
+    return provenance(out.name, {out.name: staging.staged(out)}, key.fingerprint, reference)

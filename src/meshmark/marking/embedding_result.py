@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from meshmark.coding.message import format_id
 from meshmark.mesh import Mesh
+from meshmark.notebook import notebook_table
 from meshmark.ownership.ownership_mark import OwnershipMark
 from meshmark.ownership.parameters import SPACINGS, STEPS
 from meshmark.ownership.vertex_displacement import VertexDisplacement
@@ -121,6 +122,22 @@ class Embedding:
             )
         made = replace(made, more={**made.more, "layers": self.layers})
         return made if self.seal is None else self.seal(made)
+
+    def _repr_html_(self) -> str:
+        moved = f"{100 * self.rms_over_diagonal:.2g} % RMS, {100 * self.max_over_diagonal:.2g} % at most"
+        marks = "" if self.authentication is None else f"{self.mark_vertices:,}"
+        return notebook_table(
+            "Marked",
+            [
+                ("Id", format_id(self.id)),
+                ("Layers", self.layers),
+                ("Strength", self.strength),
+                ("Size", f"{self.vertices:,} vertices, {self.faces:,} faces"),
+                ("Displacement of the diagonal", moved),
+                ("Marks of authentication", marks),
+                ("Remarks", " ".join(self.remarks)),
+            ],
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON fields: the id in hexadecimal, null for what a layer that is not there would have."""

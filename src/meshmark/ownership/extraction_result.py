@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from typing import Any
 
-from meshmark.coding.chance import band
+from meshmark.coding.chance import band, in_words
 from meshmark.coding.elapsed import rounded_up
 from meshmark.coding.message import format_id
+from meshmark.notebook import notebook_table
 
 __all__ = ["Evidence", "Extraction"]
 
@@ -66,6 +67,18 @@ class Extraction:
     seconds: float
     evidence: tuple[Evidence, ...] = ()
     ids: tuple[int, ...] = ()
+
+    def _repr_html_(self) -> str:
+        present = self.presence == "present"
+        return notebook_table(
+            self.presence.capitalize(),
+            [
+                ("Id" if len(self.ids) < 2 else "Ids", ", ".join(format_id(each) for each in self.ids)),
+                ("Chance of a false alarm", in_words(band(self.log10_false_positive)) if present else ""),
+                ("Read with", self.mode),
+                ("Advice", self.advice),
+            ],
+        )
 
     def to_dict(self, *, diagnose: bool = False) -> dict[str, Any]:
         """Return the JSON fields, the id in hexadecimal.

@@ -15,7 +15,7 @@ from meshmark.report.picture import CLAY
 if TYPE_CHECKING:
     from meshmark.authentication.regions.region import Region
 
-__all__ = ["CONDITION_COLOURS", "altered_colours", "failed_colours", "region_shades"]
+__all__ = ["CONDITION_COLOURS", "altered_colours", "failed_colours", "in_order", "region_shades"]
 
 RED = np.array([0.62, 0.012, 0.012])
 """Linear RGB of what is altered."""
@@ -39,6 +39,11 @@ def failed_colours(share: FloatArray) -> FloatArray:
     known = np.isfinite(share)
     shade = lit_heat(np.where(known, share, 0.0))
     return np.where(known[:, None], shade, np.array([0.40, 0.42, 0.45]))
+
+
+def in_order(regions: Sequence[Region]) -> list[Region]:
+    """Return regions for a table: the altered ones first, those with most failed checks before the others."""
+    return sorted(regions, key=lambda region: (region.verdict != "altered", -region.failed, region.id))
 
 
 def region_shades(regions: Sequence[Region]) -> FloatArray:

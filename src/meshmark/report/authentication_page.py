@@ -14,7 +14,7 @@ from meshmark.geometry.view import three_quarter_view
 from meshmark.geometry.weld import weld
 from meshmark.io.staging import Staging
 from meshmark.mesh import Mesh
-from meshmark.report.authentication_colours import failed_colours, region_shades
+from meshmark.report.authentication_colours import failed_colours, in_order, region_shades
 from meshmark.report.authentication_layers import authentication_layers
 from meshmark.report.picture import Panel
 from meshmark.report.provenance import Provenance
@@ -76,7 +76,6 @@ def authentication_report(mesh: Mesh, found: Authentication, origin: Provenance)
     """Return what the page of a suspect says; origin: of its file."""
     unsigned = found.verdict == "inconclusive" and found.id is not None
     tone, heading = _HEADINGS[found.verdict]
-    order = sorted(found.regions, key=lambda region: (region.verdict != "altered", -region.failed, region.id))
     return Report(
         kind="Authentication",
         answer=found.verdict,
@@ -89,7 +88,7 @@ def authentication_report(mesh: Mesh, found: Authentication, origin: Provenance)
         provenance=origin,
         view=authentication_view(mesh, found),
         pictures=_pictures(mesh, weld(mesh), found),
-        regions=order,
+        regions=in_order(found.regions),
     )
 
 

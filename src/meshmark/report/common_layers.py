@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from meshmark.mesh import FloatArray, Mesh
+from meshmark.report.colours import lit_heat
 from meshmark.report.view_layer import Layer, heat_layer, surface_layer
 
-__all__ = ["ROOT_TICKS", "displacement_layer", "own_surface", "saliency_layer"]
+__all__ = ["ROOT_TICKS", "displacement_layer", "displacement_shades", "own_surface", "saliency_layer"]
 
 ROOT_TICKS = tuple(
     (share**0.5, label) for share, label in ((0.0, "0"), (0.05, "0.05"), (0.3, "0.3"), (1.0, "1"))
@@ -39,6 +40,11 @@ def saliency_layer(mesh: Mesh) -> Layer:
     )
 
 
+def displacement_shades(before: FloatArray, after: FloatArray) -> FloatArray:
+    """Return (n, 3) linear RGB: the colours of `displacement_layer`."""
+    return lit_heat(_moved(before, after)[0])
+
+
 def displacement_layer(
     before: FloatArray, after: FloatArray, title: str = "Displacement", *, note: str = ""
 ) -> Layer:
@@ -46,17 +52,21 @@ def displacement_layer(
 
     before, after: (n, 3) in the same order. The scale ends at the largest movement.
     """
-    moved = np.linalg.norm(after - before, axis=1)
-    diagonal = float(np.linalg.norm(np.ptp(before, axis=0))) or 1.0
-    largest = float(moved.max(initial=0.0))
-    ticks = (
-        [(at, f"{100 * at * largest / diagonal:.2g}") for at in (0.0, 0.5, 1.0)] if largest else [(0.0, "0")]
-    )
+    moved, largest = _moved(before, after)
+    ticks = [(at, f"{100 * at * largest:.2g}") for at in (0.0, 0.5, 1.0)] if largest else [(0.0, "0")]
     return heat_layer(
         "displacement",
         title,
-        moved / (largest or 1.0),
+        moved,
         ticks,
         unit="Displacement, % of the diagonal",
         note=note,
     )
+
+
+def _moved(before: FloatArray, after: FloatArray) -> tuple[FloatArray, float]:
+    """Return (n,) how far each vertex moved over the largest movement, and that over the diagonal."""
+    moved = np.linalg.norm(after - before, axis=1)
+    largest = float(moved.max(initial=0.0))
+    diagonal = float(np.linalg.norm(np.ptp(before, axis=0))) or 1.0
+    return moved / (largest or 1.0), largest / diagonal

@@ -9,7 +9,9 @@ __all__ = ["MEANINGS", "Meaning"]
 
 _NOT_WHEN = "It does not say who changed the file, when, or why."
 _KEY = "Anyone with the key can make such marks: it is worth as much as the key is well kept."
-_TEXTURES = "Textures, materials and the names in a file are not covered; only the surface is."
+_TEXTURES = (
+    "Materials and textures are compared in glTF files only; in other formats, the surface alone is covered."
+)
 _SYMMETRIC = (
     "Whoever checks the mark needs the key. To convince a third party, hand over a registry's proof or let "
     "a trustee keep the key; the mark alone does not show who made the model first."
@@ -81,6 +83,13 @@ MEANINGS: Final = {
             _KEY,
         ),
     ),
+    "unread": Meaning(
+        means=("Something of a mark may be there, but too little to be sure, or to read its id.",),
+        not_means=(
+            "It is neither a yes nor a no. A larger part of the model, its certificate or its original may tell "
+            "more.",
+        ),
+    ),
     "absent": Meaning(
         means=("No mark of this key was found, in any of the ways that were tried.",),
         not_means=(
@@ -96,6 +105,7 @@ MEANINGS: Final = {
         ),
         not_means=(
             "A mark does not prevent copying, and it can be removed at the price of damage to the surface.",
+            "This page is not for strangers: where the surface was moved tells where the mark is.",
             _SYMMETRIC,
         ),
     ),
@@ -111,4 +121,4 @@ MEANINGS: Final = {
         ),
     ),
 }
-"""By verdict of an authentication, presence of an extraction, "marked" and "recovered"."""
+"""By verdict of an authentication; of an extraction: "present", "absent", or "unread"; "marked" and "recovered"."""

@@ -19,7 +19,7 @@ from meshmark.report.colours import heat, to_srgb
 from meshmark.report.raster import rasterise
 from meshmark.report.shade import Seen, light, see
 
-__all__ = ["Panel", "on_screen", "panels", "render"]
+__all__ = ["Bar", "Panel", "on_screen", "panels", "render"]
 
 FINER = 2
 """Samples per pixel and axis."""
@@ -47,13 +47,21 @@ class Panel:
     marks: IntArray | None = None
 
 
+@dataclass(frozen=True, kw_only=True)
+class Bar:
+    """A colour bar of `heat`; ticks: the place of each number along it, 0 to 1, and its label."""
+
+    title: str
+    ticks: tuple[tuple[float, str], ...]
+
+
 def panels(
     shown: Sequence[Panel],
     path: Path | str,
     *,
     size: int = 900,
     view: FloatArray | None = None,
-    bar: str = "",
+    bar: Bar | None = None,
     columns: int | None = None,
     staging: Staging | None = None,
 ) -> None:
@@ -63,7 +71,7 @@ def panels(
 
     view: rotation (3, 3) for all panels, rows right, up, towards the viewer; by default a three-quarter view
           of the first panel's model, so that a turned copy beside it is seen turned.
-    bar:  title of a colour bar for values coloured with `heat(sqrt(value))`; none if empty.
+    bar:  a colour bar under the panels, for values coloured with `heat`.
 
     staging: takes the file, to move it into place together with others.
 
@@ -169,16 +177,16 @@ def _dots(picture: NDArray[np.uint8], marks: IntArray, screen: FloatArray, seen:
 
 
 def _draw_bar(
-    sheet: Image.Image, title: str, top: int, strip: int, font: ImageFont.FreeTypeFont | ImageFont.ImageFont
+    sheet: Image.Image, bar: Bar, top: int, strip: int, font: ImageFont.FreeTypeFont | ImageFont.ImageFont
 ) -> None:
-    """Draw a colour bar under the panels, numbers at the place of their square root."""
+    """Draw a colour bar under the panels."""
     draw = ImageDraw.Draw(sheet)
     length = sheet.width * 2 // 5
     left = sheet.width // 2 - length // 3
     ramp = to_srgb(heat(np.linspace(0.0, 1.0, length)))[None]
     sheet.paste(Image.fromarray(np.repeat(ramp, strip // 3, axis=0)), (left, top + 2))
-    draw.text((left - 14, top + 2 + strip / 6), title, INK, font, "rm")
-    for value in (0.0, 0.05, 0.2, 0.5, 1.0):
-        x = left + value**0.5 * (length - 1)
+    draw.text((left - 14, top + 2 + strip / 6), bar.title, INK, font, "rm")
+    for at, label in bar.ticks:
+        x = left + at * (length - 1)
         draw.line([x, top + strip / 3 + 2, x, top + strip / 3 + 6], INK)
-        draw.text((x, top + strip / 3 + 8), f"{value:g}", INK, font, "ma")
+        draw.text((x, top + strip / 3 + 8), label, INK, font, "ma")

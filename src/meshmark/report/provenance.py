@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import platform
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -54,14 +54,18 @@ class Provenance:
 
 
 def provenance(
-    name: str, files: Sequence[Path], key: str, reference: str = "", made: datetime | None = None
+    name: str,
+    files: Mapping[str, Path],
+    key: str,
+    reference: str = "",
+    made: datetime | None = None,
 ) -> Provenance:
     """Return the provenance of a report about a file.
 
-    files: that it consists of, the model first; those that do not exist, as standard input, are left out. key:
-    public fingerprint. made: now by default.
+    files: that it consists of, by name, the model first; those that do not exist, as standard input, are left out.
+    key: public fingerprint. made: now by default.
     """
-    sums = tuple((path.name, _sha256(path)) for path in dict.fromkeys(files) if path.is_file())
+    sums = tuple((called, _sha256(path)) for called, path in files.items() if path.is_file())
     return Provenance(name=name, files=sums, key=key, reference=reference, made=made or datetime.now(UTC))
 
 

@@ -48,7 +48,8 @@ class Report:
     kind: "Authentication", "Extraction", ...; answer: a key of `MEANINGS`. tone: "good", "bad" or "open", the
     colour of the heading. heading: the answer in plain words; lead: the sentences that follow, next: what to do.
     facts: terms and texts. sure: how sure, and why. view: of `surface_view`, None for none. pictures: stills.
-    regions: of the table.
+    regions: of a
+    table of that title.
     """
 
     kind: str
@@ -63,6 +64,7 @@ class Report:
     view: dict[str, Any] | None = None
     pictures: Sequence[StillView] = ()
     regions: Sequence[Region] = ()
+    regions_title: str = "Regions"
     tables: Sequence[Table] = ()
 
 

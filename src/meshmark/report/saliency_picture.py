@@ -11,11 +11,12 @@ from meshmark.geometry.weld import weld
 from meshmark.io.staging import Staging
 from meshmark.mesh import Mesh
 from meshmark.report.colours import heat
-from meshmark.report.picture import Panel, panels
+from meshmark.report.picture import Bar, Panel, panels
 from meshmark.saliency.analysis import SaliencyResult
 
 __all__ = ["saliency_picture"]
 
+BAR = Bar(title="saliency", ticks=tuple((beta**0.5, f"{beta:g}") for beta in (0.0, 0.05, 0.2, 0.5, 1.0)))
 DOTS = 120
 """Salient points drawn at most, the strongest."""
 
@@ -42,4 +43,4 @@ def saliency_picture(
     back = welded.points @ (view.T @ np.diag([-1.0, 1.0, -1.0]) @ view)  # half a turn about the vertical
     front = Panel(caption=caption, points=welded.points, faces=welded.faces, colours=colours, marks=marks)
     behind = Panel(caption="the other side", points=back, faces=welded.faces, colours=colours, marks=marks)
-    panels([front, behind], path, size=size, view=view, bar="saliency", staging=staging)
+    panels([front, behind], path, size=size, view=view, bar=BAR, staging=staging)

@@ -14,9 +14,9 @@ __all__ = ["CONDITIONS", "conditions"]
 
 CONDITIONS = ("intact", "altered", "moved", "cut_off", "unchecked")
 """intact: as it was signed off. altered: moved, made, or exposed by a deletion. moved: altered as well, but
-its marks hold: moved as one, or pasted from elsewhere in the model, its inside intact. cut_off: its marks hold where
-it lies, but what was altered parts it from the rest, with which it may have moved a little, as one. unchecked:
-nothing tells."""
+its marks hold: moved as one, or pasted from elsewhere in the model, its inside intact. cut_off: its marks hold
+where it lies, but what was altered parts it from the rest, with which it may have moved a little, as one.
+unchecked: nothing tells."""
 # Marks by which a part is known to be one: single marks hold by chance.
 _MARKS = 3
 

@@ -1,4 +1,5 @@
-// Bundle the viewer with three.js into src/meshmark/web/viewer/viewer.bundle.js: node tools/build_viewer.mjs
+// Bundle the viewer with three.js into src/meshmark/web/viewer/viewer.bundle.js:
+// npm install --prefix tools/viewer && node tools/viewer/build_viewer.mjs
 //
 // The first line of the bundle names what it was made of; tests/web/test_viewer.py compares it with the sources.
 
@@ -8,7 +9,7 @@ import { fileURLToPath } from "node:url";
 import { build } from "esbuild";
 
 const here = (path) => fileURLToPath(new URL(path, import.meta.url));
-const folder = here("../src/meshmark/web/viewer/");
+const folder = here("../../src/meshmark/web/viewer/");
 const hash = createHash("sha256");
 for (const name of readdirSync(`${folder}source`).sort()) hash.update(readFileSync(`${folder}source/${name}`));
 const licence = readFileSync(here("node_modules/three/LICENSE"), "utf8").trim();

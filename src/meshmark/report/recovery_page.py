@@ -1,0 +1,111 @@
+"""The report of a recovery: what was restored from the miniature, and what is as it was signed off."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshmark.geometry.view import three_quarter_view
+from meshmark.geometry.weld import weld
+from meshmark.mesh import Mesh
+from meshmark.report.authentication_colours import CONDITION_COLOURS, in_order
+from meshmark.report.common_layers import displacement_layer, own_surface, saliency_layer
+from meshmark.report.provenance import Provenance
+from meshmark.report.recovery_triptych import recovery_panels
+from meshmark.report.report_page import Report
+from meshmark.report.still_view import StillView, still_view
+from meshmark.report.surface_view import surface_view
+from meshmark.report.view_layer import Layer, category_layer
+from meshmark.scene.stance import stance_of
+
+if TYPE_CHECKING:
+    from meshmark.authentication.part_recovery import Recovery
+    from meshmark.authentication.verdict import Authentication
+
+__all__ = ["recovery_report", "recovery_view", "restored_vertices"]
+
+_INTACT, _RESTORED = CONDITION_COLOURS["intact"][1], CONDITION_COLOURS["moved"][1]
+
+
+def restored_vertices(suspect: Mesh, whole: Mesh) -> NDArray[np.bool_]:
+    """Return (n,): which vertices of the recovered mesh lie where none of the suspect does."""
+    row = np.dtype([("x", "f8"), ("y", "f8"), ("z", "f8")])
+    before, after = (np.ascontiguousarray(mesh.vertices + 0.0).view(row).ravel() for mesh in (suspect, whole))
+    return np.asarray(~np.isin(after, before))
+
+
+def recovery_view(suspect: Mesh, made: Recovery) -> dict[str, object]:
+    """Return the interactive view of a recovered model, as `surface_view` does; `made` has a mesh."""
+    whole = made.mesh if made.mesh is not None else suspect
+    layers: list[Layer] = [
+        category_layer(
+            "restored",
+            "What was restored",
+            restored_vertices(suspect, whole).astype(np.int64),
+            [("As it was signed off", _INTACT), ("Restored from the miniature", _RESTORED)],
+        )
+    ]
+    if whole.vertices.shape == suspect.vertices.shape:
+        layers.append(
+            displacement_layer(
+                suspect.vertices, whole.vertices, "Moved back", note="Against the altered model."
+            )
+        )
+    layers += [saliency_layer(whole), own_surface(whole)]
+    label = "The recovered model, with what was restored in blue"
+    return surface_view(whole, layers, start="restored", label=label, stance=stance_of(suspect))
+
+
+def recovery_report(suspect: Mesh, found: Authentication, made: Recovery, origin: Provenance) -> Report:
+    """Return what the page of a recovery says.
+
+    found: what the suspect told. origin: of the recovered file. `made` has a mesh.
+    """
+    whole = made.mesh if made.mesh is not None else suspect
+    nothing = not (made.vertices_moved or made.vertices_removed or made.faces_added)
+    share = made.altered_area_fraction
+    lead = (
+        f"{_percent(share)} of the surface was altered and is restored; the other {_percent(1.0 - share)} "
+        f"is as it was "
+        "signed off."
+    )
+    return Report(
+        kind="Recovery",
+        answer="authentic" if nothing else "recovered",
+        tone="good",
+        heading="Nothing was altered" if nothing else "Restored where it was altered",
+        lead="The model is as it was signed off." if nothing else lead,
+        next=made.advice,
+        facts=[
+            ("Altered before", f"{found.altered_vertices:,} vertices, {_percent(share)} of the surface"),
+            ("Moved back", f"{made.vertices_moved:,} vertices"),
+            ("Cut out", f"{made.vertices_removed:,} vertices"),
+            ("Added", f"{made.faces_added:,} faces"),
+            ("Size", f"{len(whole.vertices):,} vertices, {len(whole.faces):,} faces"),
+            *([("Not kept", ", ".join(made.lost))] if made.lost else []),
+        ],
+        sure=[
+            "What was altered is what the marks of the altered model say. Its other vertices were not "
+            "touched: their "
+            "coordinates are those of the file, bit by bit.",
+            "The miniature is sealed into the marks: it is read only where it is undamaged as a whole.",
+        ],
+        provenance=origin,
+        view=recovery_view(suspect, made),
+        pictures=_pictures(suspect, found, whole),
+        regions=in_order(found.regions),
+        regions_title="Regions before the recovery",
+    )
+
+
+def _pictures(suspect: Mesh, found: Authentication, whole: Mesh) -> list[StillView]:
+    view = three_quarter_view(weld(suspect).points, stance_of(suspect))
+    panels = recovery_panels(suspect, found, whole)
+    captions = ("As it was found", "What was altered", "Recovered")
+    return [still_view(panel, view, caption) for panel, caption in zip(panels, captions, strict=True)]
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.2g} %" if share < 0.995 else f"{100 * share:.0f} %"
