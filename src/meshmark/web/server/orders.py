@@ -64,21 +64,30 @@ def _written(order: Order, kind: str, extension: str | None = None) -> str:
     return str(OUT / f"{stem}_{kind}{dot + ends if extension is None else extension}")
 
 
+def _report(order: Order) -> list[str]:
+    return [f"--report={_written(order, 'report', '.html')}"]
+
+
 def _embed(order: Order) -> list[str]:
-    return [_written(order, "marked"), f"--certificate={_written(order, 'marked', '.cert')}"]
+    certificate = f"--certificate={_written(order, 'marked', '.cert')}"
+    return [_written(order, "marked"), certificate, *_report(order)]
 
 
 def _authenticate(order: Order) -> list[str]:
-    return [f"--report={_written(order, 'report', '.html')}", f"--map={_written(order, 'map', '.ply')}"]
+    return [f"--map={_written(order, 'map', '.ply')}", *_report(order)]
+
+
+def _recover(order: Order) -> list[str]:
+    return [_written(order, "recovered"), *_report(order)]
 
 
 _REFERENCES = ("certificate", "original")
 
 ACTIONS: dict[Action, Offer] = {
     Action.embed: Offer(lines=_embed, options=("id", "strength", "layers", "tolerance", "recompress", "to")),
-    Action.extract: Offer(lines=lambda _: [], options=("search", "time-limit"), references=_REFERENCES),
+    Action.extract: Offer(lines=_report, options=("search", "time-limit"), references=_REFERENCES),
     Action.authenticate: Offer(lines=_authenticate, references=_REFERENCES),
-    Action.recover: Offer(lines=lambda order: [_written(order, "recovered")], references=("certificate",)),
+    Action.recover: Offer(lines=_recover, references=("certificate",)),
     Action.unmark: Offer(
         lines=lambda order: [_written(order, "unmarked")],
         references=("certificate",),
