@@ -3,8 +3,8 @@
 python -m claims.serve_fuzz [--examples 300] [--files 200]
 
 schemathesis makes requests of the server's own OpenAPI description, so many for each operation, half of them
-against it. Then models of seven formats are damaged at random (bytes changed, cut, doubled) and uploaded, each with an
-action drawn at random. Counted are the answers by status, and the outcomes of the jobs by kind of error.
+against it. Then models of seven formats are damaged at random (bytes changed, cut, doubled) and uploaded, each with
+an action drawn at random. Counted are the answers by status, and the outcomes of the jobs by kind of error.
 
 Exit 1 where an answer is a 5xx, a job ends as a bug of the program, or the server does not answer in the end. For
 docs/serve.md.

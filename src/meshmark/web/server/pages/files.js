@@ -2,7 +2,7 @@
 
 import { button, make, size } from "./dom.js";
 
-const HINT = "PLY, OBJ, GLB, glTF, STL, OFF or 3MF. Files that a model refers to (.bin, .mtl, textures) come with it.";
+const HINT = "PLY, OBJ, GLB, glTF, STL, OFF or 3MF. Add the files that the model refers to: .bin, .mtl, textures.";
 
 /** Make an element a drop zone. Returns {files, name, needed, clear(), offer(files)}. */
 export function dropZone(element, changed) {

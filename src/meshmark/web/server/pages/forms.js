@@ -12,11 +12,7 @@ export function startForm(form, server) {
   const zones = [...form.querySelectorAll("[data-drop]")].map((each) => dropZone(each, () => say(wrong, "")));
   let busy = false;
 
-  const action = () => {
-    const chosen = form.elements.action?.value || form.dataset.job;
-    const reference = zones.some((zone) => zone.name !== "files" && zone.files.length);
-    return chosen === "extract" && server.registry && !reference ? "trace" : chosen;
-  };
+  const action = () => form.elements.action?.value || form.dataset.job;
   const counts = (element) => !element.closest("[data-only]") || element.closest("[data-only]").dataset.only === action();
 
   function adapt() {

@@ -1,4 +1,4 @@
-// The numbers of an answer: the ones that matter as a list, regions and matches as tables, all of them as JSON.
+// The numbers of an answer: the ones that matter as a list, regions as a table, all of them as JSON.
 
 import { button, count, make, percent, time } from "./dom.js";
 
@@ -15,11 +15,11 @@ const PICKED = {
     ["Missing surface", r.missing_area_fraction ? share(r.missing_area_fraction) : null], ["Id", code(r.id)], ["Chance of such marks without the key", chance(r.log10_false_positive)],
     ["Payload", { recovered: "readable", partial: "in part", none: "none" }[r.payload]], ["Time", time(r.seconds)]],
   extract: (r) => [["Id", code(r.id)], ["Chance of a false alarm", r.presence === "present" ? chance(r.log10_false_positive) : null],
+    ["Recipients", r.recipients?.join(", ") || null],
     ["Found by", { blind: "the key alone", certificate: "the certificate", original: "the original", registry: "the registry" }[r.mode] || r.mode], ["Time", time(r.seconds)]],
   recover: (r) => [["Altered surface", share(r.altered_area_fraction)], ["Vertices moved back", number(r.vertices_moved)],
     ["Vertices cut out", number(r.vertices_removed)], ["Triangles added", number(r.faces_added)], ["Time", time(r.seconds)]],
   unmark: (r) => [["Moved, root mean square", `${share(r.rms_over_diagonal)} of the diagonal`], ["Time", time(r.seconds)]],
-  trace: (r) => [["Time", time(r.seconds)]],
 };
 
 function code(text) {
@@ -33,7 +33,6 @@ export function numbersOf(job) {
   const list = make("dl", { class: "numbers" }, ...rows.map(([name, value]) => make("div", {}, make("dt", {}, name), make("dd", {}, value))));
   const parts = [list];
   if (result.regions?.length) parts.push(regions(result.regions));
-  if (result.matches?.length) parts.push(matches(result.matches));
   parts.push(whole(result));
   return make("div", { class: "card" }, make("h3", {}, "Numbers"), ...parts);
 }
@@ -55,12 +54,6 @@ function regions(list) {
   ]);
   return make("details", { class: "more" }, make("summary", {}, `Regions of the model (${list.length})`),
     make("div", { class: "table" }, table(["Where", "Verdict", "Checks that failed"], rows)));
-}
-
-function matches(list) {
-  const how = { blind: "the key alone", authentication: "its authentication marks", registered: "the certificate of its original" };
-  const rows = list.map((each) => [each.recipient || "none", code(each.id), each.original, how[each.method] || each.method, chance(each.log10_false_accusation)]);
-  return make("div", { class: "table" }, table(["Recipient", "Id", "Made of", "Read by", "Chance of accusing an innocent"], rows));
 }
 
 function whole(result) {

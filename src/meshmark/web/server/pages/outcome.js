@@ -9,7 +9,7 @@ const FILES = {
   model: { embed: "Save the marked model", recover: "Save the restored model", unmark: "Save the model" },
   certificate: "Save the certificate",
   report: "Save the report",
-  map: "Save the map as a model",
+  map: "Save the map",
 };
 const SIGNS = { good: "✓", bad: "!", unsure: "?" };
 

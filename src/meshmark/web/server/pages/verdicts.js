@@ -39,19 +39,15 @@ const WORDS = {
     return { tone, title, text: result.advice };
   },
   extract(result) {
-    const whom = result.recipient ? `, issued to ${result.recipient}` : "";
+    const names = result.recipients || [];
+    const copies = names.length > 1 ? `the copies of ${names.slice(0, -1).join(", ")} and ${names.at(-1)}` : `the copy of ${names[0]}`;
+    const title = { 0: "Your mark is in this model", 1: `This is ${copies}` }[names.length] || `This was made of ${copies}`;
     const ids = result.ids.length > 1 ? `It carries the ids ${result.ids.join(", ")}` : `It carries the id ${result.ids[0]}`;
     return {
-      present: { tone: "good", title: result.recipient ? `This is the copy of ${result.recipient}` : "Your mark is in this model", text: `${result.ids.length ? `${ids}${whom}. ` : ""}${result.advice}` },
+      present: { tone: "good", title, text: `${result.ids.length ? `${ids}. ` : ""}${result.advice}` },
       absent: { tone: "unsure", title: "No mark of this key was found", text: result.advice },
       inconclusive: { tone: "unsure", title: "This cannot be told", text: result.advice },
     }[result.presence];
-  },
-  trace(result, job) {
-    const names = result.matches.map((match) => match.recipient || "a copy without a recipient");
-    if (!names.length) return { tone: "unsure", title: "No recipient can be named", text: after(job.words, " names no recipient. ") };
-    const title = names.length === 1 ? `This is the copy of ${names[0]}` : `This was made of the copies of ${names.slice(0, -1).join(", ")} and ${names.at(-1)}`;
-    return { tone: "good", title, text: "The chance of accusing an innocent recipient is below one in a million." };
   },
   recover(result) {
     if (!result.recovered) return { tone: "bad", title: "It cannot be restored", text: result.advice };
@@ -60,10 +56,8 @@ const WORDS = {
   },
 };
 
-const after = (text, mark) => text.slice(text.indexOf(mark) + mark.length);
-
 export function verdictOf(job) {
-  const found = WORDS[job.action](job.result, job);
+  const found = WORDS[job.action](job.result);
   return { ...found, text: plain(found.text) };
 }
 
