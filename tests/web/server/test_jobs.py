@@ -87,7 +87,9 @@ def test_a_gltf_comes_with_its_files_and_goes_back_with_them(server, tmp_path):
     (tmp_path / "model.gltf").write_text(json.dumps(tree))
     skin = tmp_path / "skin.png"
     skin.write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(100))
-    job = server.run("embed", tmp_path / "model.gltf", *buffers, skin, layers="ownership")
+    job = server.run(
+        "embed", tmp_path / "model.gltf", *buffers, skin, layers="ownership", id="0000000000000005"
+    )
     assert job["state"] == "done", job["error"]
     saved = server.save(job, "model", tmp_path)
     assert saved.name == "model_marked.zip"
@@ -172,8 +174,7 @@ def test_with_a_registry_copies_are_entered_listed_and_traced(registry_server, t
     server = registry_server
     write_mesh(Mesh(*pebble(30)), tmp_path / "small.ply")
     with server.client() as client:
-        client.post("/api/keys", json={"label": "studio"})
-        job = server.run("embed", tmp_path / "small.ply", recipient="Ann")
+        job = server.run("embed", tmp_path / "small.ply", recipient="Ann", id="0000000000000007")
         found = server.run("trace", server.save(job, "model", tmp_path))
         (record,) = client.get("/api/registry/copies", params={"recipient": "Ann"}).json()["records"]
         nobody = client.get("/api/registry/copies", params={"recipient": "Bob"}).json()["records"]

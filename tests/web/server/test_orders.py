@@ -69,5 +69,6 @@ def test_an_order_that_cannot_be_done_is_refused(wrong, registry, sentence):
 
 
 def test_an_order_that_can_be_done_is_taken():
-    check_order(order(Action.embed, options={"to": "Ann", "strength": "subtle"}), registry=True)
-    check_order(order(Action.unmark, certificate=Path("c.cert")), registry=False)
+    entered = order(Action.embed, options={"to": "Ann", "strength": "subtle"})
+    assert check_order(entered, registry=True) is None
+    assert check_order(order(Action.unmark, certificate=Path("c.cert")), registry=False) is None
