@@ -42,6 +42,7 @@ COMMANDS = {
     "registry_issue": "docs/decisions/0025-registry.md",
     "registry_scale": "docs/decisions/0025-registry.md",
     "registry_traces": "docs/decisions/0025-registry.md",
+    "report_pages": "docs/report.md",
     "rivals_sanity": "docs/results/rivals-sanity.txt",
     "roundtrip": "docs/decisions/0016-odd-files.md",
     "saliency_speed": "docs/claims.md",

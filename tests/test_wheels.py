@@ -14,7 +14,7 @@ from meshmark.research.schemes.outside import ENTRY_POINTS as SCHEMES_GROUP
 from tests.counting import some
 
 ROOT = Path(__file__).resolve().parents[1]
-LARGEST = 1_100_000
+LARGEST = 1_150_000
 
 
 @pytest.fixture(scope="module")

@@ -50,7 +50,7 @@ def pipe(monkeypatch: pytest.MonkeyPatch):
             {"model": "new.ply", "picture": "p.png"},
             True,
         ),
-        ("extract marked.ply --key my.key", "marked.ply", {}, True),
+        ("extract marked.ply --key my.key --report r.html", "marked.ply", {"report": "r.html"}, True),
         ("authenticate marked.ply --key my.key --map m.ply", "marked.ply", {"map": "m.ply"}, True),
         ("recover marked.ply out.ply --key my.key", "marked.ply", {"model": "out.ply"}, True),
         (
@@ -60,7 +60,12 @@ def pipe(monkeypatch: pytest.MonkeyPatch):
             False,
         ),
         ("attack --list", None, {}, False),
-        ("compare small.ply small.ply", ["small.ply", "small.ply"], {}, False),
+        (
+            "compare small.ply small.ply --picture c.png",
+            ["small.ply", "small.ply"],
+            {"picture": "c.png"},
+            False,
+        ),
         ("saliency small.ply", "small.ply", {}, False),
         ("segment small.ply --picture s.png", "small.ply", {"picture": "s.png"}, False),
         ("info small.ply", "small.ply", {}, False),

@@ -47,11 +47,16 @@ def small(tmp_path_factory: pytest.TempPathFactory) -> Path:
 # Command lines in which each word with a dot is a file of the folder, and the files that they write.
 WRITING = {
     "embed": (
-        "embed in.ply new.ply --key my.key --layers ownership --certificate new.cert",
-        ["new.ply", "new.cert"],
+        "embed in.ply new.ply --key my.key --layers ownership --certificate new.cert --report new.html",
+        ["new.ply", "new.cert", "new.html"],
     ),
+    "extract": ("extract marked.ply --key my.key --report new.html", ["new.html"]),
     "unmark": ("unmark marked.ply new.ply --key my.key --certificate my.cert", ["new.ply"]),
-    "recover": ("recover both.ply new.ply --key my.key", ["new.ply"]),
+    "recover": (
+        "recover both.ply new.ply --key my.key --report new.html --picture new.png",
+        ["new.ply", "new.html", "new.png"],
+    ),
+    "compare": ("compare in.ply marked.ply --picture new.png", ["new.png"]),
     "attack": ("attack in.ply new.ply noise --map new.csv", ["new.ply", "new.csv"]),
     "authenticate": (
         "authenticate both.ply --key my.key --map new.ply --report new.html --payload new.off",

@@ -25,7 +25,8 @@ def unpacked(packed: dict[str, str]) -> np.ndarray:
 
 
 def viewed(mesh: Mesh, layers=(), **options):
-    view = surface_view(mesh, [surface_layer(None), *layers], start="surface", label="a pebble", **options)
+    shown = view_surface(mesh, **options)
+    view = surface_view(shown, [surface_layer(None), *layers], start="surface", label="a pebble")
     return json.loads(json.dumps(view, allow_nan=False))
 
 
@@ -47,7 +48,7 @@ def test_a_file_that_says_which_way_is_up_stands_so():
     stance = Stance(up=(0.0, 0.0, 1.0), front=(0.0, -1.0, 0.0))
     np.testing.assert_array_equal(level_view(np.zeros((1, 3)), stance), [[1, 0, 0], [0, 0, 1], [0, -1, 0]])
     points, faces = pebble(20)
-    shown = view_surface(Mesh(points, faces), stance)
+    shown = view_surface(Mesh(points, faces), turn=level_view(points, stance))
     np.testing.assert_allclose(shown.points[:, 1], points[:, 2])
     np.testing.assert_allclose(shown.points[:, 2], -points[:, 1])
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from meshmark.authentication.as_written import Since
 from meshmark.authentication.examination import DOUBTFUL_LOG10, Examination, examine
 from meshmark.authentication.payload.payload import Payload
+from meshmark.authentication.regions.condition import CONDITIONS
 from meshmark.authentication.regions.region import Region
 from meshmark.authentication.regions.region_map import RegionMap, region_map
 from meshmark.authentication.rounded import Requantised, requantised, rounded_everywhere
@@ -97,6 +98,10 @@ class Authentication:
         """Return how many vertices of the file are altered."""
         return int(self.altered.sum())
 
+    def vertices_that_are(self, condition: str) -> int:
+        """Return how many vertices of the file have a condition, one of `regions.condition.CONDITIONS`."""
+        return int((self.condition == CONDITIONS.index(condition)).sum())
+
     def _repr_html_(self) -> str:
         share = self.altered_area_fraction
         altered = f"{self.altered_vertices:,} vertices, {100 * share:.2g} % of the surface"
@@ -120,6 +125,8 @@ class Authentication:
             "requantised": self.requantised is not None,
             "requantised_bits": None if self.requantised is None else self.requantised.bits,
             "altered_vertices": self.altered_vertices,
+            "moved_vertices": self.vertices_that_are("moved"),
+            "cut_off_vertices": self.vertices_that_are("cut_off"),
             "altered_area_fraction": self.altered_area_fraction,
             "missing_area_fraction": self.missing_area_fraction,
             "points_missing": self.points_missing,

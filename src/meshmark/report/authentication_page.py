@@ -2,26 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from meshmark.authentication.regions.condition import CONDITIONS
 from meshmark.coding.chance import band, in_words
-from meshmark.geometry.surface import Surface
-from meshmark.geometry.view import three_quarter_view
-from meshmark.geometry.weld import weld
 from meshmark.io.staging import Staging
 from meshmark.mesh import Mesh
 from meshmark.report.authentication_colours import failed_colours, in_order, region_shades
 from meshmark.report.authentication_layers import authentication_layers
-from meshmark.report.picture import Panel
 from meshmark.report.provenance import Provenance
 from meshmark.report.report_page import Report, report_page, write_report_page
 from meshmark.report.still_view import StillView, front_and_back
 from meshmark.report.surface_view import surface_view
-from meshmark.scene.stance import stance_of
+from meshmark.report.view_surface import PICTURE_VIEW, ViewSurface, view_surface
 
 if TYPE_CHECKING:
     from meshmark.authentication.verdict import Authentication
@@ -64,18 +60,24 @@ def authentication_page(mesh: Mesh, found: Authentication, origin: Provenance) -
     return report_page(authentication_report(mesh, found, origin))
 
 
-def authentication_view(mesh: Mesh, found: Authentication) -> dict[str, object]:
-    """Return the interactive view of a suspect, as `surface_view` does."""
+def authentication_view(
+    mesh: Mesh, found: Authentication, shown: ViewSurface | None = None
+) -> dict[str, object]:
+    """Return the interactive view of a suspect, as `surface_view` does.
+
+    shown: the surface of the mesh, where it has been made already.
+    """
     layers = authentication_layers(mesh, found)
     label = f"The model with its tamper map: {_HEADINGS[found.verdict][1].lower()}"
     start = layers[0].name if found.verdict != "not_marked" else "surface"
-    return surface_view(mesh, layers, start=start, label=label, stance=stance_of(mesh))
+    return surface_view(shown or view_surface(mesh), layers, start=start, label=label)
 
 
 def authentication_report(mesh: Mesh, found: Authentication, origin: Provenance) -> Report:
     """Return what the page of a suspect says; origin: of its file."""
     unsigned = found.verdict == "inconclusive" and found.id is not None
     tone, heading = _HEADINGS[found.verdict]
+    shown = view_surface(mesh)
     return Report(
         kind="Authentication",
         answer=found.verdict,
@@ -86,8 +88,8 @@ def authentication_report(mesh: Mesh, found: Authentication, origin: Provenance)
         facts=_facts(mesh, found),
         sure=_sure(found),
         provenance=origin,
-        view=authentication_view(mesh, found),
-        pictures=_pictures(mesh, weld(mesh), found),
+        view=authentication_view(mesh, found, shown),
+        pictures=_pictures(shown, found),
         regions=in_order(found.regions),
     )
 
@@ -96,23 +98,14 @@ def _facts(mesh: Mesh, found: Authentication) -> list[tuple[str, str]]:
     payload = {"recovered": "read in full", "partial": "damaged", "none": "none"}[found.payload]
     if found.content is not None and found.payload == "recovered":
         payload = f"{found.content.kind}, {len(found.content.content):,} bytes, read in full"
-    moved, apart = (found.condition == CONDITIONS.index(name) for name in ("moved", "cut_off"))
+    moved, apart = found.vertices_that_are("moved"), found.vertices_that_are("cut_off")
+    altered = f"{found.altered_vertices:,} vertices, {_percent(found.altered_area_fraction)} of the surface"
+    cut_off = f"{apart:,} vertices, intact, parted from the rest by what was altered"
     return [
         ("Size", f"{len(mesh.vertices):,} vertices, {len(mesh.faces):,} faces"),
-        (
-            "Altered",
-            f"{found.altered_vertices:,} vertices, {_percent(found.altered_area_fraction)} of the surface",
-        ),
-        *(
-            [("Moved as one", f"{moved.sum():,} of them; inside, they are as they were")]
-            if moved.any()
-            else ()
-        ),
-        *(
-            [("Cut off", f"{apart.sum():,} vertices, intact, parted from the rest by what was altered")]
-            if apart.any()
-            else ()
-        ),
+        ("Altered", altered),
+        *([("Moved as one", f"{moved:,} of them; inside, they are as they were")] if moved else ()),
+        *([("Cut off", cut_off)] if apart else ()),
         *(("Shown otherwise", cause.sentence) for cause in found.causes),
         ("Id", "none" if found.id is None else f"{found.id:016x}"),
         ("Payload", payload),
@@ -137,21 +130,14 @@ def _sure(found: Authentication) -> list[str]:
     return sentences or ["No mark was read, so nothing could be checked."]
 
 
-def _pictures(mesh: Mesh, welded: Surface, found: Authentication) -> list[StillView]:
-    at, view = welded.vertex_of_point, three_quarter_view(welded.points, stance_of(mesh))
-    plain = Panel(
-        caption="", points=welded.points, faces=welded.faces, colours=failed_colours(found.failed_share[at])
+def _pictures(shown: ViewSurface, found: Authentication) -> list[StillView]:
+    map_ = shown.panel(failed_colours(found.failed_share))
+    regions = replace(shown.panel(), colours=region_shades(found.regions), labels=found.region[shown.vertex])
+    pictures = front_and_back(map_, PICTURE_VIEW, ("Tamper map, from the front", "Tamper map, from behind"))
+    parted = front_and_back(
+        regions, PICTURE_VIEW, ("Regions, from the front", "Regions, from behind"), numbered=True
     )
-    regions = Panel(
-        caption="",
-        points=welded.points,
-        faces=welded.faces,
-        colours=region_shades(found.regions),
-        labels=found.region[at],
-    )
-    map_ = front_and_back(plain, view, ("Tamper map, from the front", "Tamper map, from behind"))
-    parted = front_and_back(regions, view, ("Regions, from the front", "Regions, from behind"), numbered=True)
-    return map_ + parted if np.isfinite(found.failed_share).any() else parted
+    return pictures + parted if np.isfinite(found.failed_share).any() else parted
 
 
 def _percent(share: float) -> str:

@@ -7,17 +7,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from meshmark.coding.message import format_id
-from meshmark.geometry.view import three_quarter_view
 from meshmark.io.staging import Staging
 from meshmark.mesh import Mesh
 from meshmark.report.common_layers import displacement_layer, displacement_shades, own_surface, saliency_layer
 from meshmark.report.demo_picture import vertex_colours
-from meshmark.report.mesh_panel import mesh_panel
 from meshmark.report.provenance import Provenance
 from meshmark.report.report_page import Report, write_report_page
 from meshmark.report.still_view import StillView, still_view
 from meshmark.report.surface_view import surface_view
-from meshmark.scene.stance import stance_of
+from meshmark.report.view_surface import PICTURE_VIEW, ViewSurface, view_surface
 
 if TYPE_CHECKING:
     from meshmark.marking.embedding_result import Embedding
@@ -36,19 +34,23 @@ def write_embedding_page(
     write_report_page(embedding_report(original, made, origin), path, staging)
 
 
-def embedding_view(original: Mesh, made: Embedding) -> dict[str, object]:
-    """Return the interactive view of a marked model, as `surface_view` does."""
+def embedding_view(original: Mesh, made: Embedding, shown: ViewSurface | None = None) -> dict[str, object]:
+    """Return the interactive view of a marked model, as `surface_view` does.
+
+    shown: the surface of the marked mesh, where it has been made already.
+    """
     moved = displacement_layer(
         original.vertices, made.mesh.vertices, note="Of the mark, against the original."
     )
     layers = [own_surface(made.mesh), moved, saliency_layer(made.mesh)]
-    stance = stance_of(original)
-    return surface_view(made.mesh, layers, start="displacement", label="The marked model", stance=stance)
+    shown = shown or view_surface(made.mesh)
+    return surface_view(shown, layers, start="displacement", label="The marked model")
 
 
 def embedding_report(original: Mesh, made: Embedding, origin: Provenance) -> Report:
     """Return what the page of an embedding says."""
     sentences = " ".join(made.remarks)
+    shown = view_surface(made.mesh)
     return Report(
         kind="Embedding",
         answer="marked",
@@ -60,8 +62,8 @@ def embedding_report(original: Mesh, made: Embedding, origin: Provenance) -> Rep
         facts=_facts(made),
         sure=_sure(made),
         provenance=origin,
-        view=embedding_view(original, made),
-        pictures=_pictures(original, made),
+        view=embedding_view(original, made, shown),
+        pictures=_pictures(original, made, shown),
     )
 
 
@@ -95,17 +97,15 @@ def _sure(made: Embedding) -> list[str]:
     return [f"The positions were checked as the file holds them. {read}"]
 
 
-def _pictures(original: Mesh, made: Embedding) -> list[StillView]:
+def _pictures(original: Mesh, made: Embedding, shown: ViewSurface) -> list[StillView]:
     own, shades = vertex_colours(original), displacement_shades(original.vertices, made.mesh.vertices)
-    shown = {
-        "Original": mesh_panel(original, "", own),
-        "Marked": mesh_panel(made.mesh, "", own),
-        f"Displacement; darkest: {_percent(made.max_over_diagonal)} of the diagonal": mesh_panel(
-            made.mesh, "", shades
-        ),
+    darkest = f"Displacement; darkest: {_percent(made.max_over_diagonal)} of the diagonal"
+    panels = {
+        "Original": view_surface(original).panel(own),
+        "Marked": shown.panel(own),
+        darkest: shown.panel(shades),
     }
-    view = three_quarter_view(shown["Original"].points, stance_of(original))
-    return [still_view(panel, view, caption) for caption, panel in shown.items()]
+    return [still_view(panel, PICTURE_VIEW, caption) for caption, panel in panels.items()]
 
 
 def _percent(share: float) -> str:

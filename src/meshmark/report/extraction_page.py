@@ -8,17 +8,15 @@ from typing import TYPE_CHECKING, Final
 
 from meshmark.coding.chance import band, in_words
 from meshmark.coding.message import format_id
-from meshmark.geometry.view import three_quarter_view
 from meshmark.io.staging import Staging
 from meshmark.mesh import Mesh
 from meshmark.report.common_layers import own_surface, saliency_layer
 from meshmark.report.demo_picture import vertex_colours
-from meshmark.report.mesh_panel import mesh_panel
 from meshmark.report.provenance import Provenance
 from meshmark.report.report_page import Report, Table, write_report_page
-from meshmark.report.still_view import StillView, front_and_back
+from meshmark.report.still_view import front_and_back
 from meshmark.report.surface_view import surface_view
-from meshmark.scene.stance import stance_of
+from meshmark.report.view_surface import PICTURE_VIEW, ViewSurface, view_surface
 
 if TYPE_CHECKING:
     from meshmark.ownership.extraction_result import Extraction
@@ -50,10 +48,13 @@ def write_extraction_page(
     write_report_page(extraction_report(mesh, found, origin, recipients), path, staging)
 
 
-def extraction_view(mesh: Mesh) -> dict[str, object]:
-    """Return the interactive view of a suspect, as `surface_view` does."""
+def extraction_view(mesh: Mesh, shown: ViewSurface | None = None) -> dict[str, object]:
+    """Return the interactive view of a suspect, as `surface_view` does.
+
+    shown: the surface of the mesh, where it has been made already.
+    """
     layers = [own_surface(mesh), saliency_layer(mesh)]
-    return surface_view(mesh, layers, start="surface", label="The model", stance=stance_of(mesh))
+    return surface_view(shown or view_surface(mesh), layers, start="surface", label="The model")
 
 
 def extraction_report(
@@ -61,6 +62,7 @@ def extraction_report(
 ) -> Report:
     """Return what the page of an extraction says; recipients: of the ids, as a registry names them."""
     inconclusive = found.presence == "inconclusive"
+    shown = view_surface(mesh)
     return Report(
         kind="Extraction",
         answer="unread" if inconclusive else found.presence,
@@ -71,8 +73,10 @@ def extraction_report(
         facts=_facts(mesh, found, recipients),
         sure=_sure(found),
         provenance=origin,
-        view=extraction_view(mesh),
-        pictures=_pictures(mesh),
+        view=extraction_view(mesh, shown),
+        pictures=front_and_back(
+            shown.panel(vertex_colours(mesh)), PICTURE_VIEW, ("From the front", "From behind")
+        ),
         tables=_evidence(found),
     )
 
@@ -126,9 +130,3 @@ def _evidence(found: Extraction) -> list[Table]:
         return []
     columns = ("What was read", "Id", "Chance without a mark", "Share of the surface")
     return [Table(title="Evidence", columns=columns, rows=rows, words=2)]
-
-
-def _pictures(mesh: Mesh) -> list[StillView]:
-    panel = mesh_panel(mesh, "", vertex_colours(mesh))
-    view = three_quarter_view(panel.points, stance_of(mesh))
-    return front_and_back(panel, view, ("From the front", "From behind"))

@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from meshmark.geometry.view import three_quarter_view
-from meshmark.geometry.weld import weld
-from meshmark.mesh import Mesh
-from meshmark.report.authentication_colours import CONDITION_COLOURS, in_order
+from meshmark.geometry.view import level_view
+from meshmark.mesh import FloatArray, Mesh
+from meshmark.report.authentication_colours import CONDITION_COLOURS, failed_colours, in_order
 from meshmark.report.common_layers import displacement_layer, own_surface, saliency_layer
+from meshmark.report.demo_picture import vertex_colours
 from meshmark.report.provenance import Provenance
-from meshmark.report.recovery_triptych import recovery_panels
 from meshmark.report.report_page import Report
 from meshmark.report.still_view import StillView, still_view
 from meshmark.report.surface_view import surface_view
 from meshmark.report.view_layer import Layer, category_layer
+from meshmark.report.view_surface import PICTURE_VIEW, ViewSurface, view_surface
 from meshmark.scene.stance import stance_of
 
 if TYPE_CHECKING:
@@ -36,8 +36,11 @@ def restored_vertices(suspect: Mesh, whole: Mesh) -> NDArray[np.bool_]:
     return np.asarray(~np.isin(after, before))
 
 
-def recovery_view(suspect: Mesh, made: Recovery) -> dict[str, object]:
-    """Return the interactive view of a recovered model, as `surface_view` does; `made` has a mesh."""
+def recovery_view(suspect: Mesh, made: Recovery, shown: ViewSurface | None = None) -> dict[str, object]:
+    """Return the interactive view of a recovered model, as `surface_view` does; `made` has a mesh.
+
+    shown: the surface of that mesh, where it has been made already.
+    """
     whole = made.mesh if made.mesh is not None else suspect
     layers: list[Layer] = [
         category_layer(
@@ -55,7 +58,7 @@ def recovery_view(suspect: Mesh, made: Recovery) -> dict[str, object]:
         )
     layers += [saliency_layer(whole), own_surface(whole)]
     label = "The recovered model, with what was restored in blue"
-    return surface_view(whole, layers, start="restored", label=label, stance=stance_of(suspect))
+    return surface_view(shown or view_surface(whole), layers, start="restored", label=label)
 
 
 def recovery_report(suspect: Mesh, found: Authentication, made: Recovery, origin: Provenance) -> Report:
@@ -65,6 +68,8 @@ def recovery_report(suspect: Mesh, found: Authentication, made: Recovery, origin
     """
     whole = made.mesh if made.mesh is not None else suspect
     nothing = not (made.vertices_moved or made.vertices_removed or made.faces_added)
+    turn = level_view(suspect.vertices, stance_of(suspect))
+    shown = view_surface(whole, turn=turn)
     share = made.altered_area_fraction
     lead = (
         f"{_percent(share)} of the surface was altered and is restored; the other {_percent(1.0 - share)} "
@@ -93,18 +98,23 @@ def recovery_report(suspect: Mesh, found: Authentication, made: Recovery, origin
             "The miniature is sealed into the marks: it is read only where it is undamaged as a whole.",
         ],
         provenance=origin,
-        view=recovery_view(suspect, made),
-        pictures=_pictures(suspect, found, whole),
+        view=recovery_view(suspect, made, shown),
+        pictures=_pictures(suspect, found, (whole, shown), turn),
         regions=in_order(found.regions),
         regions_title="Regions before the recovery",
     )
 
 
-def _pictures(suspect: Mesh, found: Authentication, whole: Mesh) -> list[StillView]:
-    view = three_quarter_view(weld(suspect).points, stance_of(suspect))
-    panels = recovery_panels(suspect, found, whole)
-    captions = ("As it was found", "What was altered", "Recovered")
-    return [still_view(panel, view, caption) for panel, caption in zip(panels, captions, strict=True)]
+def _pictures(
+    suspect: Mesh, found: Authentication, after: tuple[Mesh, ViewSurface], turn: FloatArray
+) -> list[StillView]:
+    before = view_surface(suspect, turn=turn)
+    panels = {
+        "As it was found": before.panel(vertex_colours(suspect)),
+        "What was altered": before.panel(failed_colours(found.failed_share)),
+        "Recovered": after[1].panel(vertex_colours(after[0])),
+    }
+    return [still_view(panel, PICTURE_VIEW, caption) for caption, panel in panels.items()]
 
 
 def _percent(share: float) -> str:

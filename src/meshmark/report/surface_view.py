@@ -9,10 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from meshmark.geometry.view import Stance
-from meshmark.mesh import Mesh
 from meshmark.report.view_layer import Layer
-from meshmark.report.view_surface import LARGEST, ViewSurface, view_surface
+from meshmark.report.view_surface import ViewSurface
 
 __all__ = ["surface_view"]
 
@@ -20,44 +18,26 @@ _GRID = 65535
 _TYPES = {"uint8": "u1", "uint16": "<u2", "uint32": "<u4"}
 
 
-def surface_view(
-    mesh: Mesh,
-    layers: Sequence[Layer],
-    *,
-    start: str,
-    label: str,
-    stance: Stance | None = None,
-    most: int = LARGEST,
-) -> dict[str, Any]:
-    """Return a view of a mesh, ready for `json.dumps`.
+def surface_view(shown: ViewSurface, layers: Sequence[Layer], *, start: str, label: str) -> dict[str, Any]:
+    """Return a view of a surface, ready for `json.dumps`.
 
     Parameters
     ----------
-    mesh : Mesh
-        Of n vertices.
+    shown : ViewSurface
+        Of a file with n vertices.
     layers : sequence of Layer
-        Their values in the order of the mesh's vertices.
+        Their values in the order of the file's vertices.
     start : str
         Name of the layer that is shown first.
     label : str
         What the view shows, for who cannot see it.
-    stance : Stance, optional
-        How the model stands, where its file says so.
-    most : int
-        Triangles; of a larger mesh the view has fewer, and says so. Its points take values of vertices that remain.
 
     Returns
     -------
     dict
         vertices, faces (counts), positions (uint16 on a grid over `box`), triangles (uint32), layers, start, label,
         note. Arrays are {"type", "data"}: little-endian, in base64.
-
-    Raises
-    ------
-    InputError
-        There is no triangle with three different points.
     """
-    shown = view_surface(mesh, stance, most=most)
     low, high = shown.points.min(axis=0), shown.points.max(axis=0)
     scale = (
         float((high - low).max()) or 1.0
