@@ -15,6 +15,11 @@ from meshmark.web.server.refusals import Refusal
 from meshmark.web.server.settings import Settings
 from meshmark.web.server.web_job import State, WebJob
 
+FAULTS = {
+    "die": ProcessDied("the process of this job crashed (SIGSEGV)"),
+    "full": OSError("there are too many processes"),
+}
+
 
 class Process:
     """Stands for a process that runs a command: it ends when the test says so, or dies."""
@@ -30,8 +35,8 @@ class Process:
 
     async def run(self, job, told):
         line = job["command"][0]
-        if line == "die":
-            raise ProcessDied("the process of this job crashed (SIGSEGV)")
+        if line in FAULTS:
+            raise FAULTS[line]
         told({"stage": line})
         if line != "quick":
             await self.go.wait()
@@ -120,10 +125,14 @@ def test_a_cancelled_job_is_forgotten_with_its_folder(tmp_path, running):
     asyncio.run(scenario())
 
 
-def test_a_process_that_dies_fails_its_job_and_no_other(tmp_path):
+@pytest.mark.parametrize(
+    ("fault", "kind", "sentence"),
+    [("die", "worker", "SIGSEGV"), ("full", "bug", "a bug in meshmark (OSError)")],
+)
+def test_a_process_that_dies_fails_its_job_and_no_other(tmp_path, fault, kind, sentence):
     async def scenario() -> tuple[WebJob, WebJob]:
         async with JobQueue(settings(tmp_path)) as queue:
-            dead, well = job(tmp_path, "dead", "die"), job(tmp_path, "well", "quick")
+            dead, well = job(tmp_path, "dead", fault), job(tmp_path, "well", "quick")
             queue.submit(dead)
             queue.submit(well)
             await until(lambda: dead.is_over and well.is_over)
@@ -131,8 +140,8 @@ def test_a_process_that_dies_fails_its_job_and_no_other(tmp_path):
 
     dead, well = asyncio.run(scenario())
     assert (dead.state, well.state) == (State.failed, State.done)
-    assert dead.error["kind"] == "worker"
-    assert "SIGSEGV" in dead.error["message"]
+    assert dead.error["kind"] == kind
+    assert sentence in dead.error["message"]
 
 
 def test_a_job_that_takes_too_long_is_ended(tmp_path):

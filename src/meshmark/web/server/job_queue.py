@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import time
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -97,9 +98,7 @@ class JobQueue:
             job.state, job.stage, job.started = State.running, "starting", time.monotonic()
             task = asyncio.get_running_loop().create_task(self._run(job))
             self._running[job.id] = task
-            task.add_done_callback(
-                lambda _, job=job: self._ended(job)
-            )  # also of one that was cancelled at once
+            task.add_done_callback(partial(self._ended, job))  # also of one that was cancelled at once
 
     async def _run(self, job: WebJob) -> None:
         process: CommandProcess | None = None
@@ -109,20 +108,18 @@ class JobQueue:
                 found = await process.run(self._message(job), lambda told: _hear(job, told))
             await asyncio.to_thread(self._finish, job, found)
         except TimeoutError:
-            minutes = self._settings.job_seconds / 60
-            _fail(
-                job,
-                "time",
-                f"the job took longer than {minutes:.0f} minutes, the most that this server allows",
-            )
+            most = f"{self._settings.job_seconds:.0f} seconds, the most that this server allows"
+            _fail(job, "time", f"the job took longer than {most}")
         except ProcessDied as error:
             _fail(job, error.kind, str(error))
+        except Exception as error:  # whatever it is, a job must not go on for ever
+            _fail(job, "bug", f"this is a bug in meshmark ({type(error).__name__})")
         finally:
             if process is not None:
                 process.kill()
                 await process.end()
 
-    def _ended(self, job: WebJob) -> None:
+    def _ended(self, job: WebJob, _: asyncio.Task[None]) -> None:
         """Let the next job begin after one."""
         job.ended = job.ended or time.monotonic()
         self._running.pop(job.id, None)
