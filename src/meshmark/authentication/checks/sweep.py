@@ -105,7 +105,7 @@ def sweep(
         held[found.vertex[read.holds & ~read.new_boundary]] = True
         again = _around(parts, able & ~vouched(parts, held))
         first = len(found.vertex)
-        found = joined([found, beside(found.take(again[found.vertex]), _NEAR)])
+        found = beside(found, again[found.vertex], _NEAR)
         read = read_marks(found, key, setting.layout, identity, payload)
         lucky = read.new_boundary & (
             np.arange(len(found.vertex)) >= first
