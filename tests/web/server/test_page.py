@@ -141,7 +141,7 @@ def test_a_broken_file_gives_the_sentence_and_the_page_goes_on(visit, server, ma
     one = visit(server)
     one.begin("check", tmp_path / "broken.ply")
     assert one.verdict("check") == "This did not work"
-    assert "Broken.ply: line" in one.page.locator("#check .verdict p").inner_text()
+    assert "broken.ply: line" in one.page.locator("#check .verdict p").inner_text()
     one.page.click("#check .remove")
     one.begin("check")
     assert one.page.locator("#check .wrong").inner_text() == "Choose a model first."

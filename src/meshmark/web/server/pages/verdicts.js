@@ -61,8 +61,9 @@ export function verdictOf(job) {
   return { ...found, text: plain(found.text) };
 }
 
-/** The sentence of an error, as the command line prints it. */
+/** The sentence of an error, as the command line prints it; the name of a file at its start stays as it is. */
 export function errorOf(error) {
   const sentence = plain(error.message);
-  return sentence[0].toUpperCase() + sentence.slice(1) + (/[.!?]$/.test(sentence) ? "" : ".");
+  const first = error.file && sentence.startsWith(error.file) ? sentence[0] : sentence[0].toUpperCase();
+  return first + sentence.slice(1) + (/[.!?]$/.test(sentence) ? "" : ".");
 }
