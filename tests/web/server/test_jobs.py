@@ -91,6 +91,8 @@ def test_a_gltf_comes_with_its_files_and_goes_back_with_them(server, tmp_path):
         "embed", tmp_path / "model.gltf", *buffers, skin, layers="ownership", id="0000000000000005"
     )
     assert job["state"] == "done", job["error"]
+    assert "textures/skin.png" in job["result"]["side_files"]
+    assert str(server.temporary) not in json.dumps(job)
     saved = server.save(job, "model", tmp_path)
     assert saved.name == "model_marked.zip"
     with zipfile.ZipFile(saved) as archive:

@@ -138,10 +138,10 @@ class JobQueue:
 
     def _finish(self, job: WebJob, found: dict[str, Any]) -> None:
         """Keep what a job came to. Its state is set last: who sees it sees the rest."""
-        key_folder = f"{self._settings.key_folder}/"
-        job.exit_code, job.words = found["code"], own_names(found["words"], key_folder)
-        job.remarks = [own_names(line, key_folder) for line in job.remarks]
-        job.answer = own_names(found["answer"], key_folder)
+        homes = (job.folder, self._settings.key_folder)
+        job.exit_code, job.words = found["code"], own_names(found["words"], homes)
+        job.remarks = [own_names(line, homes) for line in job.remarks]
+        job.answer = own_names(found["answer"], homes)
         job.downloads = {each.name: each for each in downloads_of(job.folder, found["answer"])}
         job.view = view_of(job.downloads.values(), job.folder)
         job.ended = time.monotonic()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import zipfile
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -18,17 +18,22 @@ FOLDERS = ("in", "out", "certificate", "original")
 _NAMED_VIEW = re.compile(r'\bdata-view="([\w-]+)"')
 
 
-def own_names(value: Any, key_folder: str) -> Any:
-    """Return an answer, or a sentence, in which files are called as in the upload; keys by their names alone."""
+def own_names(value: Any, homes: Sequence[Path]) -> Any:
+    """Return an answer, or a sentence, in which files are called as in the upload; keys by their names alone.
+
+    homes: the folders of the job and of the keys, whose places are nobody's business.
+    """
     if isinstance(value, str):
-        shown = value.replace(key_folder, "")
+        shown = value
+        for home in homes:
+            shown = shown.replace(f"{home}/", "").replace(f"{home.resolve()}/", "")
         for folder in FOLDERS:
             shown = shown.removeprefix(f"{folder}/").replace(f" {folder}/", " ")
         return shown
     if isinstance(value, Mapping):
-        return {name: own_names(entry, key_folder) for name, entry in value.items()}
+        return {name: own_names(entry, homes) for name, entry in value.items()}
     if isinstance(value, list):
-        return [own_names(entry, key_folder) for entry in value]
+        return [own_names(entry, homes) for entry in value]
     return value
 
 
