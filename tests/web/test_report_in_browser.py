@@ -123,6 +123,12 @@ def test_layers_keys_the_wheel_and_the_switch_of_light_change_what_is_seen(opene
         before = found.picture()
         page.keyboard.press(key)
         assert np.abs(found.picture() - before).mean() > 0.5, key
+    before = found.picture()
+    page.mouse.move(300, 350)
+    page.mouse.down()
+    page.mouse.move(380, 320, steps=3)
+    page.mouse.up()
+    assert np.abs(found.picture() - before).mean() > 0.5
     page.click("button[aria-label='Reset the view']")
     page.evaluate("document.activeElement.blur()")
     assert np.abs(found.picture() - first).mean() < 0.5

@@ -18,8 +18,8 @@ class ViewerParts:
 
     script: an ES module that exports `createViewer(element, view)`, with three.js and its licence. It also starts
     a viewer in each element of its page with `data-view="ID"`, ID being that of a script element of type
-    application/json that holds a view (`meshmark.report.view`), and lets buttons with `data-theme-switch` choose
-    light or dark.
+    application/json that holds a view (`meshmark.report.surface_view`), and lets buttons with `data-theme-switch`
+    choose light or dark.
     style: its style sheet.
     """
 
