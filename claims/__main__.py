@@ -47,6 +47,8 @@ COMMANDS = {
     "roundtrip": "docs/decisions/0016-odd-files.md",
     "saliency_speed": "docs/claims.md",
     "same_behaviour": "docs/decisions/0018-layout.md",
+    "serve_fuzz": "docs/serve.md",
+    "serve_load": "docs/serve.md",
     "start_up": "docs/decisions/0015-by-hand-or-library.md",
     "visible_share": "docs/results/ownership.md",
     "web_exports": "docs/decisions/0023-tolerance-web.md",

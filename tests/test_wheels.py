@@ -64,7 +64,11 @@ def test_the_wheel_of_the_web_has_the_viewer_with_its_licences_and_needs_the_pro
     metadata = text_of(wheel, "METADATA")
     version = next(line.split()[1] for line in metadata.splitlines() if line.startswith("Version:"))
     assert f"Requires-Dist: meshmark=={version}" in metadata
-    assert "[meshmark.viewer]" in text_of(wheel, "entry_points.txt")
+    points = text_of(wheel, "entry_points.txt")
+    assert "[meshmark.viewer]" in points
+    assert "serve = meshmark.web.server.serve:serve" in points
+    assert "Requires-Dist: fastapi" in metadata
+    assert {f"meshmark/web/server/pages/{name}" for name in ("index.html", "page.css", "main.js")} <= ours
 
 
 def test_the_wheels_together_have_every_source(wheels):
