@@ -32,6 +32,7 @@ COMMANDS = {
     "lattice_labels": "docs/decisions/0020-one-lattice-per-model.md",
     "marks": "docs/decisions/0008-authentication-marks.md",
     "metrics_validation": "docs/decisions/0005-metrics.md",
+    "original_recovery": "docs/decisions/0028-recovery-with-the-original.md",
     "point_locks": "docs/results/coarse.md",
     "princeton": "docs/results/field-files.md",
     "published": "docs/results/published.md",
@@ -52,8 +53,8 @@ COMMANDS = {
 }
 ALONE = {
     "authenticate_speed", "by_hand", "coarse", "compressed_gltf", "costa", "crops_and_mosaics", "false_alarms",
-    "hostile", "lattice_labels", "princeton", "published", "registration", "rivals_sanity", "same_behaviour",
-    "web_exports",
+    "hostile", "lattice_labels", "original_recovery", "princeton", "published", "registration",
+    "rivals_sanity", "same_behaviour", "web_exports",
 }  # fmt: skip
 
 
