@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import partial
+import signal
 from pathlib import Path
 
 import pytest
@@ -11,7 +11,7 @@ from meshmark.batch.cluster import Cluster
 from meshmark.batch.results import Results
 from meshmark.batch.running import run
 from meshmark.batch.sources import Item, items
-from meshmark.cli.batch_child import in_child
+from meshmark.cli.batch_child import end_child, in_child
 from meshmark.cli.batch_job import BatchCommand
 from meshmark.errors import InputError
 from meshmark.workers.worker_pool import Lost
@@ -51,11 +51,12 @@ def test_a_child_answers_and_one_that_takes_too_long_is_ended(tmp_path):
     KEY.save(tmp_path / "my.key")
     command = BatchCommand(name="extract", key=str(tmp_path / "my.key"), out=str(tmp_path))
     (item,) = items(str(tmp_path / "broken.ply"), tmp_path / "out")
-    row = partial(in_child, command)(60.0, 1000, item)
-    assert row["model"] == "broken.ply"
-    assert row["error"]["kind"] == "format"
     lost = in_child(command, 0.01, 1000, item)
     assert lost == Lost(why="timeout", note="took longer than 0.01 s")
+    rows = [in_child(command, 60.0, 1000, item) for _ in range(2)]
+    assert [row["error"]["kind"] for row in rows] == ["format", "format"]
+    assert end_child() == -signal.SIGKILL
+    assert end_child() == 0
 
 
 def test_a_scheduler_that_does_not_answer_is_refused(monkeypatch):
