@@ -127,6 +127,26 @@ def _forkserver(parent: int) -> int:
     return -1
 
 
+def test_a_copy_that_was_issued_before_its_row_was_written_is_not_issued_again(cli, source, monkeypatch):
+    pytest.importorskip("sqlalchemy")
+    monkeypatch.chdir(source)
+    (source / "people.csv").write_text("path,recipient\nmodels/a.ply,Ada\n")
+    assert cli("registry", "init", "--registry", "r.sqlite").code == 0
+    line = ("batch", "embed", "people.csv", "issued", *QUICK, "--registry", "r.sqlite", "--workers", "1")
+    assert cli(*line).code == 0
+    (first,) = rows(source / "issued").values()
+    assert first["recipient"] == "Ada"
+    records = json.loads(cli("registry", "list", "--registry", "r.sqlite", "--json").out)["records"]
+    copy = copies(source / "issued")
+    (source / "issued" / "results.jsonl").write_bytes(b"")
+    assert cli(*line, "--resume").code == 0
+    (again,) = rows(source / "issued").values()
+    assert again["id"] == first["id"] == records[0]["id"]
+    assert again["recipient"] == "Ada"
+    assert copies(source / "issued") == copy
+    assert json.loads(cli("registry", "list", "--registry", "r.sqlite", "--json").out)["records"] == records
+
+
 @pytest.mark.parametrize(
     ("line", "says"),
     [

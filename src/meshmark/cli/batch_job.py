@@ -12,7 +12,7 @@ from typing import Any
 
 from meshmark.batch.results import Row
 from meshmark.batch.sources import Item
-from meshmark.errors import MeshmarkError
+from meshmark.errors import MeshmarkError, RegistryError
 
 __all__ = ["CERTIFICATE_SUFFIX", "BatchCommand", "done"]
 
@@ -44,10 +44,13 @@ def done(command: BatchCommand, item: Item) -> Row:
     row: Row = {"model": item.name, "digest": None, "exit_code": 2}
     try:
         row["digest"] = _digest(item.path)
-        words = _line(command, item, row["digest"])
+        words, issued = _line(command, item, row["digest"])
+        code, answer = _answer([command.name, str(item.path), *words, "--json"])
+        if issued is not None and "error" not in answer:
+            _check_issued(command.marked(item), issued)
+            answer["recipient"] = item.recipient
     except MeshmarkError as error:
         return {**row, "error": {"kind": error.kind, "message": str(error), "file": error.file}}
-    code, answer = _answer([command.name, str(item.path), *words, "--json"])
     return {**row, "exit_code": code, **answer}
 
 
@@ -60,12 +63,16 @@ def _digest(path: Path) -> str | None:
     return None
 
 
-def _line(command: BatchCommand, item: Item, digest: str | None) -> list[str]:
-    """Return the words of a command line after the model."""
+def _line(command: BatchCommand, item: Item, digest: str | None) -> tuple[list[str], str | None]:
+    """Return the words of a command line after the model.
+
+    And the digest of the marked copy, where a run that ended before it could say so has issued it already: then the
+    same file is made once more, for its row.
+    """
     words = ["--key", command.key, "--force", *command.options]
     registry = [] if command.registry is None else ["--registry", command.registry]
     if command.name != "embed":
-        return [*words, *registry]
+        return [*words, *registry], None
     from meshmark.batch.batch_id import batch_id
     from meshmark.coding.keys import Key
     from meshmark.coding.message import format_id, parse_id
@@ -78,19 +85,35 @@ def _line(command: BatchCommand, item: Item, digest: str | None) -> list[str]:
     words = [str(place), *words, "--id", format_id(number)]
     if command.certificates:
         words += ["--certificate", f"{place}{CERTIFICATE_SUFFIX}"]
-    if command.registry is not None and _is_issued(command.registry, secret.fingerprint, number, place):
-        return words  # by a run that ended before it could say so: the same file once more, for its row
-    return [*words, *registry, *([] if item.recipient is None else ["--to", item.recipient])]
+    issued = (
+        None if command.registry is None else _issued(command.registry, secret.fingerprint, number, place)
+    )
+    if issued is not None:
+        return words, issued
+    return [*words, *registry, *([] if item.recipient is None else ["--to", item.recipient])], None
 
 
-def _is_issued(registry: str, key: str, number: int, place: Path) -> bool:
-    """Return whether a registry has a copy of this id that was issued to this place."""
+def _issued(registry: str, key: str, number: int, place: Path) -> str | None:
+    """Return the digest of the copy of this id that was issued to this place; None where there is none."""
     from meshmark.cli.registry_option import open_registry
     from meshmark.registry.database_tables import ISSUED
 
     with open_registry(registry) as opened:
         found = [copy for copy in opened.copies_with_id(number) if copy.key == key]
-    return any(copy.state == ISSUED and copy.path == os.path.realpath(place) for copy in found)
+    there = (copy for copy in found if copy.state == ISSUED and copy.path == os.path.realpath(place))
+    return next((copy.marked_digest for copy in there), None)
+
+
+def _check_issued(place: Path, digest: str) -> None:
+    """Raise `RegistryError` where a copy that was made again is another file than was issued."""
+    from meshmark.registry.recording import digest_of_file
+
+    if digest_of_file(place) != digest:
+        raise RegistryError(
+            f"{place} was issued already, and what is made with its id now is another file; expected the options and "
+            "the version of meshmark of then",
+            file=place,
+        )
 
 
 def _answer(line: list[str]) -> tuple[int, dict[str, Any]]:
