@@ -110,8 +110,8 @@ def _check_issued(place: Path, digest: str) -> None:
 
     if digest_of_file(place) != digest:
         raise RegistryError(
-            f"{place} was issued already, and what is made with its id now is another file; expected the options and "
-            "the version of meshmark of then",
+            f"{place} was issued already, and what is made with its id now is another file; expected the options "
+            "and the version of meshmark of then",
             file=place,
         )
 
