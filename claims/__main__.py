@@ -16,6 +16,7 @@ __all__ = ["ALONE", "COMMANDS", "main"]
 COMMANDS = {
     "authenticate_speed": "docs/results/authentication.md",
     "authentication": "docs/results/authentication.md",
+    "batch_runs": "docs/decisions/0029-batch.md",
     "by_hand": "docs/decisions/0015-by-hand-or-library.md",
     "clean_channel": "docs/results/clean-channel.md",
     "coarse": "docs/results/coarse.md",
@@ -47,14 +48,15 @@ COMMANDS = {
     "roundtrip": "docs/decisions/0016-odd-files.md",
     "saliency_speed": "docs/claims.md",
     "same_behaviour": "docs/decisions/0018-layout.md",
+    "sizing": "docs/sizing.md",
     "start_up": "docs/decisions/0015-by-hand-or-library.md",
     "visible_share": "docs/results/ownership.md",
     "web_exports": "docs/decisions/0023-tolerance-web.md",
 }
 ALONE = {
-    "authenticate_speed", "by_hand", "coarse", "compressed_gltf", "costa", "crops_and_mosaics", "false_alarms",
-    "hostile", "lattice_labels", "original_recovery", "princeton", "published", "registration",
-    "rivals_sanity", "same_behaviour", "web_exports",
+    "authenticate_speed", "batch_runs", "by_hand", "coarse", "compressed_gltf", "costa", "crops_and_mosaics",
+    "false_alarms", "hostile", "lattice_labels", "original_recovery", "princeton", "published", "registration",
+    "rivals_sanity", "same_behaviour", "sizing", "web_exports",
 }  # fmt: skip
 
 

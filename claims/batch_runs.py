@@ -127,6 +127,8 @@ def speed(batch: Batch) -> bool:
         for out, workers, ran in (("one", 1, one), ("two", 2, two))
     ]
     print(f"one worker {one[0]:.1f} s, two {two[0]:.1f} s: {one[0] / two[0]:.2f} times as fast")
+    free = 2.0 * (1.0 - idle[1]) / (1.0 - idle[0])
+    print(f"where each has a core of its own, by the time that they work: {free:.2f} times")
     print(
         f"workers not working: {idle[0]:.1%} of the time of one, {idle[1]:.1%} of that of two, start included"
     )

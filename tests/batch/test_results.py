@@ -88,7 +88,7 @@ def test_outcomes_are_counted(tmp_path):
     with Results(tmp_path, resume=False) as results:
         for each in (
             row("a"), row("b", presence="absent"), row("c", verdict="altered"), row("d", matches=[]),
-            row("e", matches=[1]), failure("f", "format"), failure("g", "format"),
+            row("e", matches=[1], presence="present"), failure("f", "format"), failure("g", "format"),
         ):  # fmt: skip
             results.add(each)
         assert results.counts() == {

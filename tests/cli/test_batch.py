@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
-import os
-import signal
 import subprocess
 import sys
 import time
@@ -15,7 +12,6 @@ import pytest
 
 import meshmark as mm
 from meshmark.cli.batch import BATCH_COMMANDS
-from tests.counting import some
 from tests.keys import KEY
 from tests.shapes import pebble
 
@@ -100,33 +96,6 @@ def test_a_killed_run_goes_on_and_makes_the_same_copies(source, undisturbed):
     assert not list((source / "killed").rglob(".meshmark.*"))
 
 
-def test_a_worker_that_is_killed_costs_its_model_another_try_only(source, undisturbed):
-    process = started(source, "embed", "models", "shot", *QUICK, "--workers", "1", "--json-lines")
-    assert json.loads(process.stdout.readline())["model"]
-    hit = 0
-    for stat in some(list(Path("/proc").glob("[0-9]*/stat"))):
-        with contextlib.suppress(OSError, IndexError):
-            words = stat.read_text().rpartition(")")[2].split()
-            if int(words[1]) == _forkserver(process.pid):
-                os.kill(int(stat.parent.name), signal.SIGKILL)
-                hit += 1
-    process.communicate(timeout=300)
-    assert hit
-    assert copies(source / "shot") == copies(undisturbed)
-    assert sum("error" in row for row in rows(source / "shot").values()) == 1
-
-
-def _forkserver(parent: int) -> int:
-    """Return the process that starts the workers of another one."""
-    for line in Path("/proc").glob("[0-9]*/cmdline"):
-        with contextlib.suppress(OSError):
-            words = line.read_bytes()
-            stat = (line.parent / "stat").read_text().rpartition(")")[2].split()
-            if b"forkserver" in words and int(stat[1]) == parent:
-                return int(line.parent.name)
-    return -1
-
-
 def test_a_copy_that_was_issued_before_its_row_was_written_is_not_issued_again(cli, source, monkeypatch):
     pytest.importorskip("sqlalchemy")
     monkeypatch.chdir(source)
@@ -145,6 +114,25 @@ def test_a_copy_that_was_issued_before_its_row_was_written_is_not_issued_again(c
     assert again["recipient"] == "Ada"
     assert copies(source / "issued") == copy
     assert json.loads(cli("registry", "list", "--registry", "r.sqlite", "--json").out)["records"] == records
+    ran = cli(
+        "batch", "trace", "issued", "traced", "--key", "my.key", "--registry", "r.sqlite", "--workers", "1"
+    )
+    (traced,) = rows(source / "traced").values()
+    assert (ran.code, traced["matches"][0]["recipient"]) == (0, "Ada")
+    assert ran.out == "1 model: 1 traced. Results: traced/results.jsonl\n"
+
+
+def test_copies_are_read_and_rows_are_printed_as_they_come(cli, source, undisturbed, monkeypatch):
+    monkeypatch.chdir(source)
+    ran = cli("batch", "extract", "whole/**/*", "read", "--key", "my.key", "--workers", "1", "--json-lines")
+    told = {row["model"]: row for row in map(json.loads, ran.out.splitlines())}
+    assert ran.code == 0
+    assert told == rows(source / "read")
+    assert told.keys() == copies(undisturbed).keys()
+    marked = rows(undisturbed)
+    assert {name: row["id"] for name, row in told.items()} == {name: marked[name]["id"] for name in told}
+    summary = json.loads((source / "read" / "summary.json").read_text())
+    assert (summary["models"], summary["outcomes"]) == (3, {"present": 3})
 
 
 @pytest.mark.parametrize(

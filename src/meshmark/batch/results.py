@@ -116,9 +116,6 @@ def _rows(path: Path) -> Iterator[Row]:
 def _outcome(row: Row) -> str:
     if (kind := error_kind(row)) is not None:
         return f"failed: {kind}"
-    for name in ("presence", "verdict"):
-        if name in row:
-            return str(row[name])
-    if "matches" in row:
+    if "matches" in row:  # of `trace`, which also says what was read
         return "traced" if row["matches"] else "not traced"
-    return "marked"
+    return str(row.get("presence") or row.get("verdict") or "marked")
