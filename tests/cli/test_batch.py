@@ -81,14 +81,14 @@ def test_each_model_has_a_row_as_the_single_command_says_it(cli, source, undistu
 
 
 def test_a_killed_run_goes_on_and_makes_the_same_copies(source, undisturbed):
-    process = started(source, "embed", "models", "killed", *QUICK, "--workers", "2")
+    process = started(source, "embed", "models", "killed", *QUICK, "--workers", "1")
     results = source / "killed" / "results.jsonl"
     while process.poll() is None and not (results.exists() and results.stat().st_size):
         time.sleep(0.02)
     assert process.poll() is None, "it was killed while it worked"
     process.kill()
     process.communicate()
-    code, out, err = ended(source, "embed", "models", "killed", *QUICK, "--workers", "2", "--resume")
+    code, out, err = ended(source, "embed", "models", "killed", *QUICK, "--workers", "1", "--resume")
     assert (code, err.count("\n")) == (1, 1)
     assert out.startswith("4 models: 1 failed: format, 3 marked.")
     assert copies(source / "killed") == copies(undisturbed)
