@@ -82,7 +82,7 @@ def test_marks_that_hold_without_the_id_below_are_not_authentic(small, monkeypat
 
 def test_marks_of_small_models_that_lie_in_rings_alike_are_laid_out_as_those_that_do_not():
     points, faces = ball(2)
-    surface = surface_of(Mesh(*joined([(points + [3.0 * k, 0.0, 0.0], faces) for k in range(4)])))
+    surface = surface_of(Mesh(*joined([(points + np.array([3.0 * k, 0.0, 0.0]), faces) for k in range(4)])))
     planned = plan(surface, KEY, 1e-6, style=SMALL)
     assert (planned.found.kind == HEADER).all()
     assert len(planned.found.kind) >= 150
