@@ -169,7 +169,7 @@ def test_without_its_libraries_a_registry_says_what_to_install(cli, place, monke
     monkeypatch.delitem(sys.modules, "meshmark.registry.registry")
     ran = cli("registry", "list", "--registry", "issued.db")
     assert (ran.code, ran.out) == (2, "")
-    assert ran.err.endswith("get them with: pip install meshmark[registry]\n")
+    assert ran.err.endswith("get it with: pip install meshmark[registry]\n")
 
 
 def test_a_new_registry_is_its_owners_alone(cli, place):

@@ -35,7 +35,7 @@ __all__ = ["Authenticated", "Base", "with_authentication"]
 # back. Most choices of a small model leave out a piece of the id.
 _CHOICES, _READ = 8, 3
 # After this number of choices in a row that take away the id of the layer below no other is expected to leave it.
-_LOST = 4
+_LOST = 6
 # Choices that are made and read back at most.
 _TRIES = 12
 # Share of the points below which a remark says how many are in the ring of a mark.
