@@ -24,7 +24,7 @@ PICTURE_VIEW = three_quarter_view(np.zeros((1, 3)), Stance(up=(0.0, 1.0, 0.0), f
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ViewSurface:
-    """points: (p, 3), x to the right, y up, z towards who stands in front; faces: (m, 3).
+    """points: (p, 3), x to the right, y up, z towards who stands in front, of a size of about 1; faces: (m, 3).
 
     vertex: (p,) the vertex of the file that each point takes its values from. shown_of: triangles of the file where
     there are fewer here, else None.
@@ -59,4 +59,8 @@ def view_surface(mesh: Mesh, *, turn: FloatArray | None = None, most: int = LARG
     if len(faces) > most:
         points, faces, kept = decimated(points, faces, most)
         vertex, shown_of = vertex[kept], len(welded.faces)
-    return ViewSurface(points=points @ turn.T, faces=faces, vertex=vertex, shown_of=shown_of)
+    points = points - points.min(axis=0)
+    size = (
+        float(points.max()) or 1.0
+    )  # single precision, in which a view is drawn, holds it whatever its unit
+    return ViewSurface(points=points / size @ turn.T, faces=faces, vertex=vertex, shown_of=shown_of)
