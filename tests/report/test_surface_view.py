@@ -67,7 +67,7 @@ def test_a_large_model_is_shown_with_fewer_triangles_and_says_so():
     values = unpacked(view["layers"][1]["values"]) / 254.0
     np.testing.assert_allclose(values, height[shown.vertex], atol=0.003)
     own = view_surface(mesh).points[shown.vertex]
-    assert np.linalg.norm(own - shown.points, axis=1).max() < 0.1
+    assert np.linalg.norm(own - shown.points, axis=1).max() < 0.15
 
 
 def test_seams_are_closed_and_values_follow_the_first_vertex():

@@ -55,12 +55,12 @@ def view_surface(mesh: Mesh, *, turn: FloatArray | None = None, most: int = LARG
     points, faces, vertex = welded.points[used], corners.reshape(-1, 3), welded.vertex_of_point[used]
     if turn is None:
         turn = level_view(welded.points, stance_of(mesh))
+    points = points - points.min(axis=0)
+    points /= (
+        float(points.max()) or 1.0
+    )  # single precision, in which a view is drawn, holds it whatever its unit
     shown_of = None
     if len(faces) > most:
         points, faces, kept = decimated(points, faces, most)
         vertex, shown_of = vertex[kept], len(welded.faces)
-    points = points - points.min(axis=0)
-    size = (
-        float(points.max()) or 1.0
-    )  # single precision, in which a view is drawn, holds it whatever its unit
-    return ViewSurface(points=points / size @ turn.T, faces=faces, vertex=vertex, shown_of=shown_of)
+    return ViewSurface(points=points @ turn.T, faces=faces, vertex=vertex, shown_of=shown_of)
