@@ -7,8 +7,7 @@ from typing import Any
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 from hatchling.metadata.plugin.interface import MetadataHookInterface
 
-NEEDED: list[str] = []
-"""What the pages need beside the product; the viewer is files that a page holds."""
+NEEDED = ["fastapi>=0.115", "uvicorn>=0.34", "python-multipart>=0.0.20"]
 
 
 class WebMetadata(MetadataHookInterface):

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 __all__ = ["COMMANDS", "ENTRY_POINTS", "GROUPS", "find_command", "find_group"]
 
 ENTRY_POINTS = "meshmark.commands"
-"""The group of entry points under which the wheel meshmark-research registers its commands."""
+"""The group of entry points under which the wheels meshmark-research and meshmark-web register their commands."""
 
 # What each command does: the first line of its docstring.
 COMMANDS: dict[str, str] = {
@@ -29,6 +29,7 @@ COMMANDS: dict[str, str] = {
     "unmark": "Take a mark off again, with the key and the certificate.",
     "trace": "Say whose copy a model is, by the registry of copies.",
     "registry": "Keep who got which copy.",
+    "batch": "Mark and read many models.",
     "attack": "Simulate common edits and attacks.",
     "compare": "Measure how far apart two models are.",
     "saliency": "Find where a surface stands out.",
@@ -36,12 +37,13 @@ COMMANDS: dict[str, str] = {
     "info": "Tell what a file holds.",
     "bench": "Measure schemes on models under attacks.",
     "train": "Train one of the networks: demodulator or distortion.",
+    "serve": "Serve the page on which models are marked and checked.",
     "demo": "Show the whole way on one model.",
 }
-GROUPS = ("registry",)
+GROUPS = ("registry", "batch")
 """Commands that are groups of commands: their module offers a `typer.Typer`."""
-# Commands that come with the wheel meshmark-research.
-RESEARCH = ("bench", "train")
+# Commands that come with another wheel, and the extra that installs it.
+EXTRAS = {"bench": "research", "train": "research", "serve": "web"}
 
 
 def find_group(name: str) -> Typer:
@@ -53,9 +55,9 @@ def find_group(name: str) -> Typer:
 def find_command(name: str) -> Callable[..., int]:
     """Return the function of a command, which returns its exit code.
 
-    Raises `InputError` for a command of the wheel meshmark-research where that is not installed.
+    Raises `InputError` for a command of another wheel where that is not installed.
     """
-    if name not in RESEARCH:
+    if name not in EXTRAS:
         command: Callable[..., int] = getattr(import_module(f"meshmark.cli.{name}"), name)
         return command
     from importlib.metadata import entry_points
@@ -64,5 +66,5 @@ def find_command(name: str) -> Callable[..., int]:
         found: Callable[..., int] = point.load()
         return found
     raise InputError(
-        f"`meshmark {name}` is not part of this installation, get it with: pip install meshmark[research]"
+        f"`meshmark {name}` is not part of this installation, get it with: pip install meshmark[{EXTRAS[name]}]"
     )

@@ -8,6 +8,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from meshmark.cli.listening import listener
+
 if TYPE_CHECKING:
     from meshmark.coding.keys import Key
 
@@ -16,7 +18,10 @@ __all__ = ["answer", "described", "percent", "plural", "printable", "say"]
 
 def answer(lines: str, fields: Mapping[str, Any], as_json: bool) -> None:
     """Print the result of a command: as one JSON object, or as plain words."""
-    if as_json:
+    heard = listener()
+    if heard is not None:
+        heard.answer(lines, fields)
+    elif as_json:
         print(json.dumps(fields, allow_nan=False))
     else:
         print("\n".join(printable(line) for line in lines.splitlines()))
@@ -51,6 +56,10 @@ def _text(path: Path | None) -> str | None:
 
 def say(line: str) -> None:
     """Print a remark, a warning or an error: to standard error, whatever the file names hold."""
+    heard = listener()
+    if heard is not None:
+        heard.remark(line)
+        return
     print(printable(line), file=sys.stderr, flush=True)
 
 

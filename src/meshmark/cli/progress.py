@@ -12,6 +12,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
+from meshmark.cli.listening import listener
+
 if TYPE_CHECKING:
     from rich.progress import Progress, ProgressColumn
 
@@ -31,7 +33,10 @@ def progress(label: str) -> Iterator[None]:
 
     The length of a search or a solve is not known beforehand, so the bar pulses instead of filling up.
     """
-    if not sys.stderr.isatty():
+    heard = listener()
+    if heard is not None:
+        heard.stage(label)
+    if heard is not None or not sys.stderr.isatty():
         yield
         return
     done = threading.Event()

@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sp
 
+from meshmark.geometry.blocks import blocks
 from meshmark.geometry.kd_tree import kd_tree
 from meshmark.mesh import FloatArray, IntArray
 
@@ -19,6 +20,8 @@ __all__ = ["surface_basis"]
 REACH = 2.1
 # A point has its own node at least with this weight.
 LEAST = 1e-6
+# Nodes whose points are looked up at once: a list of them takes several times what is kept.
+BLOCK = 256
 
 
 def surface_basis(points: FloatArray, normals: FloatArray, pitch: float) -> sp.csr_array:
@@ -27,17 +30,22 @@ def surface_basis(points: FloatArray, normals: FloatArray, pitch: float) -> sp.c
     points: (p, 3); normals: (p, 3) unit; pitch: distance of the nodes, in the unit of `points`.
     """
     nodes, owner = _nodes(points, normals, pitch)
-    tree = kd_tree(points[nodes])
-    pairs = tree.query_ball_tree(kd_tree(points), REACH * pitch)
-    rows = np.concatenate([np.asarray(near, dtype=np.int64) for near in pairs])
-    columns = np.repeat(np.arange(len(nodes)), [len(near) for near in pairs])
-    apart = points[rows] - points[nodes[columns]]
-    inside = np.maximum(1.0 - np.einsum("ij,ij->i", apart, apart) / (REACH * pitch) ** 2, 0.0)
-    facing = np.maximum(np.einsum("ij,ij->i", normals[rows], normals[nodes[columns]]), 0.0)
-    rows = np.concatenate([rows, np.arange(len(points))])
-    columns = np.concatenate([columns, owner])
-    values = np.concatenate([inside**3 * facing, np.full(len(points), LEAST)])
-    weights = sp.csr_array((values, (rows, columns)), shape=(len(points), len(nodes)))
+    tree, rows, columns, values = kd_tree(points), [], [], []
+    for block in blocks(len(nodes), BLOCK):
+        near = kd_tree(points[nodes[block]]).query_ball_tree(tree, REACH * pitch)
+        row = np.concatenate([np.asarray(each, dtype=np.int32) for each in near])
+        column = np.repeat(np.arange(len(nodes), dtype=np.int32)[block], [len(each) for each in near])
+        apart = points[row] - points[nodes[column]]
+        inside = np.maximum(1.0 - np.einsum("ij,ij->i", apart, apart) / (REACH * pitch) ** 2, 0.0)
+        facing = np.maximum(np.einsum("ij,ij->i", normals[row], normals[nodes[column]]), 0.0)
+        rows.append(row)
+        columns.append(column)
+        values.append(inside**3 * facing)
+    rows.append(np.arange(len(points), dtype=np.int32))
+    columns.append(owner.astype(np.int32))
+    values.append(np.full(len(points), LEAST))
+    placed = (np.concatenate(rows), np.concatenate(columns))
+    weights = sp.csr_array((np.concatenate(values), placed), shape=(len(points), len(nodes)))
     total = np.asarray(weights.sum(axis=1)).ravel()
     return sp.csr_array(sp.diags_array(1.0 / total) @ weights)
 

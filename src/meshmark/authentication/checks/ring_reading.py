@@ -14,6 +14,7 @@ from meshmark.authentication.marks.symbols import header_symbols, outvoted
 from meshmark.authentication.marks.words import bind, symbols_at
 from meshmark.authentication.parameters import WAYS, Layout
 from meshmark.coding.keys import Key
+from meshmark.geometry.blocks import blocks
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["Read", "beyond_luck", "chance_of", "read_marks", "window_of"]
@@ -22,6 +23,8 @@ __all__ = ["Read", "beyond_luck", "chance_of", "read_marks", "window_of"]
 _WINDOW = 0.12
 # Nats beyond luck at which marks are worth a closer look: one surface in 30 without any has them.
 _WORTH = 3.5
+# Candidates read at once: each takes a kilobyte meanwhile.
+_BLOCK = 1 << 17
 # Odd numbers that make three whole places into one.
 _MIX = np.array([0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9, 0x94D049BB133111EB], np.uint64)
 
@@ -55,8 +58,12 @@ def read_marks(
     holds, new_boundary = np.zeros(len(off), bool), np.zeros(len(off), bool)
     last, window = -1.0, _WINDOW
     while window > last:  # a narrow window first: few files need more
-        rows = np.flatnonzero((off > last) & (off <= window))
-        symbol[rows], holds[rows], new_boundary[rows] = _read(found.take(rows), key, layout, nonce, payload)
+        within = np.flatnonzero((off > last) & (off <= window))
+        for block in blocks(len(within), _BLOCK):  # a large model has ten million
+            rows = within[block]
+            symbol[rows], holds[rows], new_boundary[rows] = _read(
+                found.take(rows), key, layout, nonce, payload
+            )
         last = window
         window = window_of(off[holds], layout)
     holds &= off <= window

@@ -24,6 +24,7 @@ from meshmark.authentication.marks.symbols import read_header
 from meshmark.authentication.marks.words import PURPOSE
 from meshmark.authentication.parameters import Layout
 from meshmark.coding.keys import Key
+from meshmark.geometry.blocks import blocks
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["Sweep", "able_rings", "sweep", "vouched"]
@@ -38,6 +39,8 @@ _SAMPLE = 600
 # One in so many of these tells most of the wrong ids: those that have less than half as many marks as the best one,
 # by this number, which may hold by luck.
 _SCREENED, _BY_LUCK = 6, 3
+# Rings whose candidates are made at once: a large model's would take gigabytes meanwhile.
+_BLOCK = 1 << 16
 _Parts = list[tuple[Rings, RingShapes]]
 
 
@@ -88,7 +91,8 @@ def sweep(
         rest = [
             all_candidates(points, group.take(rows), shape.take(rows), setting, subkey)
             for group, shape in parts
-            for rows in [np.flatnonzero(again[group.vertex])]
+            for chosen in [np.flatnonzero(again[group.vertex])]
+            for rows in (chosen[block] for block in blocks(max(len(chosen), 1), _BLOCK))
         ]
         found = joined([found.take(~again[found.vertex]), *rest])
         identity = _reported_id(found, key, setting) if blind else nonce
@@ -101,7 +105,7 @@ def sweep(
         held[found.vertex[read.holds & ~read.new_boundary]] = True
         again = _around(parts, able & ~vouched(parts, held))
         first = len(found.vertex)
-        found = joined([found, beside(found.take(again[found.vertex]), _NEAR)])
+        found = beside(found, again[found.vertex], _NEAR)
         read = read_marks(found, key, setting.layout, identity, payload)
         lucky = read.new_boundary & (
             np.arange(len(found.vertex)) >= first

@@ -99,16 +99,19 @@ def as_laid_out(found: Candidates, layout: Layout) -> Candidates:
     return replace(found, kind=np.full(len(found.kind), HEADER)) if layout.pieces_only else found
 
 
-def beside(found: Candidates, least: float) -> Candidates:
-    """Return the candidates with the next whole numbers, along all axes on which they are `least` off and more."""
+def beside(found: Candidates, chosen: NDArray[np.bool_], least: float) -> Candidates:
+    """Return the candidates, and after them those `chosen` (c,) with the next whole numbers.
+
+    These are along all axes on which they are `least` off and more.
+    """
     off = found.place - found.whole
-    next_ = np.where(np.abs(off) >= least, np.sign(off), 0.0).astype(np.int64)
-    parts = []
+    next_ = np.where((np.abs(off) >= least) & chosen[:, None], np.sign(off), 0.0).astype(np.int8)
+    rows, whole = [np.arange(len(off))], [found.whole]
     for axes in list(product((0, 1), repeat=3))[1:]:
-        rows = np.flatnonzero((next_[:, np.array(axes) == 1] != 0).all(axis=1))
-        some = found.take(rows)
-        parts.append(replace(some, whole=some.whole + next_[rows] * axes))
-    return joined(parts)
+        some = np.flatnonzero((next_[:, np.array(axes) == 1] != 0).all(axis=1))
+        rows.append(some)
+        whole.append(found.whole[some] + next_[some] * np.array(axes))
+    return replace(found.take(np.concatenate(rows)), whole=np.concatenate(whole))
 
 
 def level_of(shapes: RingShapes, unit: float) -> FloatArray:

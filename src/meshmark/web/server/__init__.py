@@ -1,0 +1,1 @@
+"""`meshmark serve`: an HTTP server with a page on which models are marked and checked."""

@@ -1,0 +1,69 @@
+// What came of a job, in plain words: {tone: "good" | "bad" | "unsure", title, text}.
+
+import { count, percent } from "./dom.js";
+
+const OPTION_NAMES = { strength: "Strength", tolerance: "What counts as a change", layers: "What to put in" };
+
+/** The command line's sentences name its options and commands: here they are called otherwise. */
+export function plain(sentence) {
+  return sentence
+    .replaceAll("`meshmark authenticate`", "The tab Check")
+    .replace(/--(strength|tolerance|layers) (\w+)/g, (_, option, value) => `the option “${OPTION_NAMES[option]}: ${value}”`)
+    .replaceAll("--certificate", "the certificate")
+    .replaceAll("--search wide", "“Search longer”");
+}
+
+const WORDS = {
+  embed(result) {
+    const upper = result.mark_vertices
+      ? `Later changes will be found by ${count(result.mark_vertices)} small marks${result.payload_bytes ? ", and restored from a miniature of the model that they carry" : ""}.`
+      : "It carries the id alone: there was no room for marks that tell later changes.";
+    return {
+      tone: "good",
+      title: "The model is marked",
+      text: `Its shape carries the id ${result.id}; the surface moved by ${percent(result.rms_over_diagonal)} of the model's diagonal. ${upper} It was read back and verified. Keep the certificate: with it, the mark is found in badly damaged copies and can be taken off again.`,
+    };
+  },
+  unmark(result) {
+    const near = result.exact ? `the original within ${result.within_over_diagonal.toExponential(1)} of its diagonal` : "not quite the original, as the file was changed since it was marked";
+    return { tone: result.exact ? "good" : "unsure", title: "The mark is off", text: `What you get is ${near}.` };
+  },
+  authenticate(result) {
+    const [tone, title] = {
+      authentic: ["good", "Authentic"],
+      surface_intact: ["unsure", "The surface is intact, but the file shows something else"],
+      altered: ["bad", "Altered since it was marked"],
+      not_marked: ["unsure", "Not marked with this key"],
+      inconclusive: ["unsure", "This cannot be told"],
+    }[result.verdict];
+    return { tone, title, text: result.advice };
+  },
+  extract(result) {
+    const names = result.recipients || [];
+    const copies = names.length > 1 ? `the copies of ${names.slice(0, -1).join(", ")} and ${names.at(-1)}` : `the copy of ${names[0]}`;
+    const title = { 0: "Your mark is in this model", 1: `This is ${copies}` }[names.length] || `This was made of ${copies}`;
+    const ids = result.ids.length > 1 ? `It carries the ids ${result.ids.join(", ")}` : `It carries the id ${result.ids[0]}`;
+    return {
+      present: { tone: "good", title, text: `${result.ids.length ? `${ids}. ` : ""}${result.advice}` },
+      absent: { tone: "unsure", title: "No mark of this key was found", text: result.advice },
+      inconclusive: { tone: "unsure", title: "This cannot be told", text: result.advice },
+    }[result.presence];
+  },
+  recover(result) {
+    if (!result.recovered) return { tone: "bad", title: "It cannot be restored", text: result.advice };
+    if (!result.altered_area_fraction) return { tone: "good", title: "Nothing had to be restored", text: result.advice };
+    return { tone: "good", title: "The altered part is restored", text: `${percent(result.altered_area_fraction)} of the surface was altered. ${result.advice} All else is as it was signed.` };
+  },
+};
+
+export function verdictOf(job) {
+  const found = WORDS[job.action](job.result);
+  return { ...found, text: plain(found.text) };
+}
+
+/** The sentence of an error, as the command line prints it; the name of a file at its start stays as it is. */
+export function errorOf(error) {
+  const sentence = plain(error.message);
+  const first = error.file && sentence.startsWith(error.file) ? sentence[0] : sentence[0].toUpperCase();
+  return first + sentence.slice(1) + (/[.!?]$/.test(sentence) ? "" : ".");
+}
