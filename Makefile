@@ -12,13 +12,13 @@ help:  ## list the targets
 
 setup: $(VENV)/.stamp  ## make .venv with the package and all tools in it
 
-$(VENV)/.stamp: pyproject.toml research-wheel/pyproject.toml web-wheel/pyproject.toml constraints.txt
+$(VENV)/.stamp: pyproject.toml registry-wheel/pyproject.toml research-wheel/pyproject.toml web-wheel/pyproject.toml constraints.txt
 	@$(PYTHON) -c 'import sys; sys.exit(0 if sys.version_info >= (3, 11) else "meshmark needs Python 3.11 or newer: make PYTHON=python3.12 ...")'
 	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV) || { rm -rf $(VENV); echo "cannot make a virtual environment (on Debian and Ubuntu: apt install python3-venv)"; exit 1; }
 	$(PIP) -c constraints.txt uv  # installs the rest in a quarter of pip's time
-	@$(BIN)/uv pip install --quiet --python $(BIN)/python -c constraints.txt -e ".[attacks,postgres]" -e ./research-wheel -e ./web-wheel --group dev || \
+	@$(BIN)/uv pip install --quiet --python $(BIN)/python -c constraints.txt -e ".[attacks,batch,postgres]" -e ./registry-wheel -e ./research-wheel -e ./web-wheel --group dev || \
 	{ echo "uv could not install the packages (it does not read pip's configuration): pip does"; \
-	  $(PIP) "pip>=25.1" && $(PIP) -c constraints.txt -e ".[attacks,postgres]" -e ./research-wheel -e ./web-wheel --group dev; }
+	  $(PIP) "pip>=25.1" && $(PIP) -c constraints.txt -e ".[attacks,batch,postgres]" -e ./registry-wheel -e ./research-wheel -e ./web-wheel --group dev; }
 	@touch $@
 
 demo: setup  ## the whole way on one model, into demo-out/

@@ -16,6 +16,7 @@ __all__ = ["ALONE", "COMMANDS", "main"]
 COMMANDS = {
     "authenticate_speed": "docs/results/authentication.md",
     "authentication": "docs/results/authentication.md",
+    "batch_runs": "docs/decisions/0029-batch.md",
     "by_hand": "docs/decisions/0015-by-hand-or-library.md",
     "clean_channel": "docs/results/clean-channel.md",
     "coarse": "docs/results/coarse.md",
@@ -32,6 +33,7 @@ COMMANDS = {
     "lattice_labels": "docs/decisions/0020-one-lattice-per-model.md",
     "marks": "docs/decisions/0008-authentication-marks.md",
     "metrics_validation": "docs/decisions/0005-metrics.md",
+    "original_recovery": "docs/decisions/0028-recovery-with-the-original.md",
     "point_locks": "docs/results/coarse.md",
     "princeton": "docs/results/field-files.md",
     "published": "docs/results/published.md",
@@ -49,14 +51,15 @@ COMMANDS = {
     "same_behaviour": "docs/decisions/0018-layout.md",
     "serve_fuzz": "docs/serve.md",
     "serve_load": "docs/serve.md",
+    "sizing": "docs/sizing.md",
     "start_up": "docs/decisions/0015-by-hand-or-library.md",
     "visible_share": "docs/results/ownership.md",
     "web_exports": "docs/decisions/0023-tolerance-web.md",
 }
 ALONE = {
-    "authenticate_speed", "by_hand", "coarse", "compressed_gltf", "costa", "crops_and_mosaics", "false_alarms",
-    "hostile", "lattice_labels", "princeton", "published", "registration", "rivals_sanity", "same_behaviour",
-    "web_exports",
+    "authenticate_speed", "batch_runs", "by_hand", "coarse", "compressed_gltf", "costa", "crops_and_mosaics",
+    "false_alarms", "hostile", "lattice_labels", "original_recovery", "princeton", "published", "registration",
+    "rivals_sanity", "same_behaviour", "sizing", "web_exports",
 }  # fmt: skip
 
 

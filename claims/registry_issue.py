@@ -23,7 +23,7 @@ import time
 from pathlib import Path
 
 import meshmark as mm
-from meshmark.registry.recording import digest_of_file
+from meshmark.io.file_digest import digest_of_file
 from meshmark.registry.registry import Registry
 from tests.shapes import pebble
 

@@ -1,4 +1,4 @@
-"""The three wheels: what is in each, how they are joined, and that the product needs neither of the others."""
+"""The four wheels: what is in each, how they are joined, and that the product needs none of the others."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from meshmark.research.schemes.outside import ENTRY_POINTS as SCHEMES_GROUP
 from tests.counting import some
 
 ROOT = Path(__file__).resolve().parents[1]
-LARGEST = 1_150_000
+LARGEST = 1_000_000
 
 
 @pytest.fixture(scope="module")
 def wheels(tmp_path_factory) -> dict[str, zipfile.ZipFile]:
     """The wheels, built from this checkout, by the name of the distribution."""
     out = tmp_path_factory.mktemp("wheels")
-    for project in (ROOT, ROOT / "research-wheel", ROOT / "web-wheel"):
+    for project in (ROOT, *sorted(ROOT.glob("*-wheel"))):
         subprocess.run(
             [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", out],
             cwd=project, check=True, capture_output=True, timeout=120,
@@ -39,9 +39,10 @@ def test_the_wheel_of_the_product_is_small_and_without_the_others(wheels):
     names = some(wheel.namelist(), least=250)
     assert Path(wheel.filename).stat().st_size < LARGEST
     assert [name for name in names if "research" in name or name.endswith((".npz", ".npy"))] == []
-    assert [name for name in names if name.startswith("meshmark/web/")] == []
-    assert {"meshmark/py.typed", "meshmark/data/hare.xz"} <= set(names)
-    assert {"Provides-Extra: research", "Provides-Extra: web"} <= set(text_of(wheel, "METADATA").splitlines())
+    assert [name for name in names if name.startswith(("meshmark/web/", "meshmark/registry/"))] == []
+    assert {"meshmark/py.typed", "meshmark/data/hare.drc"} <= set(names)
+    extras = {f"Provides-Extra: {name}" for name in ("registry", "research", "web")}
+    assert extras <= set(text_of(wheel, "METADATA").splitlines())
 
 
 def test_the_wheel_of_research_has_the_rest_and_needs_the_product_of_its_version(wheels):
@@ -53,6 +54,17 @@ def test_the_wheel_of_research_has_the_rest_and_needs_the_product_of_its_version
     metadata = text_of(wheel, "METADATA")
     version = next(line.split()[1] for line in metadata.splitlines() if line.startswith("Version:"))
     assert f"Requires-Dist: meshmark[attacks]=={version}" in metadata
+
+
+def test_the_wheel_of_the_registry_has_its_migrations_and_needs_the_product_of_its_version(wheels):
+    wheel = wheels["meshmark_registry"]
+    ours = {name for name in wheel.namelist() if ".dist-info/" not in name}
+    assert all(name.startswith("meshmark/registry/") for name in some(ours, least=20))
+    assert "meshmark/registry/migrations/versions/first_tables.py" in ours
+    metadata = text_of(wheel, "METADATA")
+    version = next(line.split()[1] for line in metadata.splitlines() if line.startswith("Version:"))
+    assert f"Requires-Dist: meshmark=={version}" in metadata
+    assert "Requires-Dist: sqlalchemy" in metadata
 
 
 def test_the_wheel_of_the_web_has_the_viewer_with_its_licences_and_needs_the_product_of_its_version(wheels):

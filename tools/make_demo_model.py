@@ -1,6 +1,6 @@
-"""Make the model that `meshmark demo` marks: src/meshmark/data/hare.xz. The same bytes on every run.
+"""Make the model that `meshmark demo` marks: src/meshmark/data/hare.drc. The same bytes on every run.
 
-.venv/bin/python tools/make_demo_model.py [OUT.xz]
+.venv/bin/python tools/make_demo_model.py [OUT.drc]
 """
 
 from __future__ import annotations
@@ -10,20 +10,19 @@ from pathlib import Path
 
 import numpy as np
 from demo_model import hare
-from demo_model.solids import Array
-from demo_model.surface import Faces, extract, gradient, settle
+from demo_model.surface import extract, gradient, settle
 
-from meshmark.data.packing import packed
+from meshmark.data.packing import Colours, Faces, Points, packed, sorted_faces
 
 CELL = 0.034
 ROUNDS = 15
 MILLIMETRES = 30.0
-# Positions on a fine grid of millimetres, and triangles in order, pack better.
-GRID = 2.0**-12
-HOME = Path(__file__).resolve().parents[1] / "src" / "meshmark" / "data" / "hare.xz"
+# Positions on a fine grid of millimetres, and triangles in order, are packed without loss.
+STEP = 2.0**-12
+HOME = Path(__file__).resolve().parents[1] / "src" / "meshmark" / "data" / "hare.drc"
 
 
-def build() -> tuple[Array, Faces, Array]:
+def build() -> tuple[Points, Faces, Colours]:
     """Return vertices in mm, faces, and 8-bit colours of the hare."""
     vertices, faces = extract(hare.hare, hare.LOW, hare.HIGH, CELL)
     vertices, faces = settle(hare.hare, vertices, faces, CELL, ROUNDS)
@@ -31,8 +30,8 @@ def build() -> tuple[Array, Faces, Array]:
     normals = gradient(hare.hare, vertices, 0.2 * CELL)
     colours = np.rint(255 * np.clip(hare.colour(vertices, normals), 0, 1)).astype(np.uint8)
     vertices = vertices + hare.relief(vertices)[:, None] * normals
-    faces = np.array([np.roll(face, -face.argmin()) for face in faces])
-    return np.rint(vertices * MILLIMETRES / GRID) * GRID, faces[np.lexsort(faces.T[::-1])], colours
+    positions = (np.rint(vertices * MILLIMETRES / STEP) * STEP).astype(np.float32)
+    return positions, sorted_faces(faces.astype(np.int32)), colours
 
 
 def check(faces: Faces) -> None:
@@ -42,24 +41,8 @@ def check(faces: Faces) -> None:
         raise SystemExit("the surface is not a closed manifold: give the parts rounder joints or change CELL")
 
 
-def ply(vertices: Array, faces: Faces, colours: Array) -> bytes:
-    """Return a binary PLY file: float positions, colours, triangles."""
-    header = (
-        "ply\nformat binary_little_endian 1.0\n"
-        "comment The meshmark hare, made by tools/make_demo_model.py, MIT\n"
-        f"element vertex {len(vertices)}\nproperty float x\nproperty float y\nproperty float z\n"
-        "property uchar red\nproperty uchar green\nproperty uchar blue\n"
-        f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n"
-    )
-    rows = np.empty(len(vertices), [("position", "<f4", 3), ("colour", "u1", 3)])
-    rows["position"], rows["colour"] = vertices, colours
-    triangles = np.empty(len(faces), [("count", "u1"), ("index", "<i4", 3)])
-    triangles["count"], triangles["index"] = 3, faces
-    return header.encode() + rows.tobytes() + triangles.tobytes()
-
-
 if __name__ == "__main__":
     out = Path(sys.argv[1]) if len(sys.argv) > 1 else HOME
     vertices, triangles, colours = build()
-    out.write_bytes(packed(ply(vertices, triangles, colours), len(triangles)))
+    out.write_bytes(packed(vertices, triangles, colours, STEP))
     print(f"{out}: {out.stat().st_size:,} bytes")

@@ -40,7 +40,9 @@ def main(authentication: Path, recovery: Path) -> None:
             tab.wait_for_selector(f"[data-layer={layer}]")
             tab.wait_for_timeout(300)
             picture = Image.open(io.BytesIO(tab.screenshot())).convert("RGB")
-            picture.quantize(256, dither=Image.Dither.FLOYDSTEINBERG).save(IMAGES / f"{name}.png", optimize=True)
+            picture.quantize(256, dither=Image.Dither.FLOYDSTEINBERG).save(
+                IMAGES / f"{name}.png", optimize=True
+            )
             tab.close()
         started.close()
 

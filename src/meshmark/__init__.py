@@ -105,7 +105,7 @@ _HOME = {
     "embed_file": "marking.marked_file",
     "extract": "marking.both_layers_extraction",
     "read_mesh": "io",
-    "recover": "authentication.part_recovery",
+    "recover": "marking.original_recovery",
     "segment": "segmentation",
     "unmark": "marking.undo",
     "write_mesh": "io",

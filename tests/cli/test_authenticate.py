@@ -189,6 +189,23 @@ def test_recover_brings_the_part_back_and_leaves_the_rest(cli, files, edited, tm
     assert not (moved & (np.linalg.norm(suspect - marked, axis=1) == 0)).sum() > 0.05 * moved.sum()
 
 
+def test_recover_with_the_original_gives_the_marked_file_back(cli, files, edited, tmp_path):
+    ran = cli(
+        "recover",
+        edited.path,
+        tmp_path / "whole.ply",
+        "--key",
+        files.key,
+        "--original",
+        files.model,
+        "--json",
+    )
+    found = only_object(ran.out)
+    assert ran.code == 0, ran
+    assert found["restored_from"] == "marked_copy"
+    assert (tmp_path / "whole.ply").read_bytes() == files.marked.read_bytes()
+
+
 def test_recover_of_an_untouched_model_is_a_copy(cli, files, tmp_path):
     assert cli("recover", files.marked, tmp_path / "same.ply", "--key", files.key).code == 0
     assert (tmp_path / "same.ply").read_bytes() == files.marked.read_bytes()

@@ -209,7 +209,7 @@ def test_a_small_model_whose_marks_do_not_tell_the_id_is_marked_for_the_layer_be
     silent = False
     # One draw in two or so; where sums differ in their last digits, another one.
     for identity in (5, 6, 7, 8, 9):
-        result = embed(small, KEY, id=identity, payload="none")
+        result = embed(small, KEY, id=identity, payload=b"few")
         silent = check(weld(result.mesh), KEY).nonce is None
         found = authenticate(result.mesh, KEY)
         assert (found.verdict, found.id) == ("authentic", identity)

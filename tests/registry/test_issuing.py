@@ -12,11 +12,11 @@ import pytest
 
 import meshmark as mm
 from meshmark.errors import OutputError, RegistryError
+from meshmark.io.file_digest import digest_of_file
 from meshmark.io.staging import Staging
 from meshmark.registry import issuing
 from meshmark.registry.issuing import Issue, Issued, check_rows, issue
 from meshmark.registry.recipients import Recipient
-from meshmark.registry.recording import digest_of_file
 from meshmark.registry.registry import Registry
 from tests.counting import some
 from tests.keys import KEY

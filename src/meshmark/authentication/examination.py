@@ -163,12 +163,14 @@ def _examined(
     checks = check(surface, key)
     identity = checks.nonce
     if identity is None or checks.log10_chance > MARKED_LOG10:
-        if made is not None and check(surface, key, made).log10_chance > MARKED_LOG10:
+        expected = None if made is None else check(surface, key, made)
+        if expected is not None and expected.log10_chance > MARKED_LOG10:
             return _unmarked(surface, checks)
         found = ask()
         identity = found.id
         if identity is not None:
-            checks = check(surface, key, identity)
+            again = expected if identity == made else None
+            checks = check(surface, key, identity) if again is None else again
     certificate = reference if isinstance(reference, Certificate) else None
     remark = None if certificate is None else mismatch(certificate, key, identity)
     if checks.speak and checks.log10_chance <= MARKED_LOG10:

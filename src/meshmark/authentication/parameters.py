@@ -141,7 +141,7 @@ SMALL: Final = replace(
     least=6,
 )
 # Such marks are made and looked for where at most this number of points have rings.
-SMALL_RINGS: Final = 500
+SMALL_RINGS: Final = 1_000
 # Marks that bear a grid of 14 bits: as small as such an error lets them be (docs/decisions/0023-tolerance-web.md).
 WEB: Final = Style(
     pull=False,

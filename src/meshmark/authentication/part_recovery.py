@@ -2,31 +2,26 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from time import perf_counter
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from meshmark.authentication.copies_recovery import folded, scene_again
 from meshmark.authentication.examination import Examination, examine
+from meshmark.authentication.recovered_file import in_file
 from meshmark.certificate.certificate import Certificate
 from meshmark.coding.keys import Key
 from meshmark.errors import InputError
-from meshmark.geometry.surface import Surface
-from meshmark.io.derived import derived, losses
-from meshmark.io.file_precision import conform
-from meshmark.mesh import IntArray, Mesh
+from meshmark.io.derived import losses
+from meshmark.mesh import Mesh
 from meshmark.notebook import notebook_table
 from meshmark.recovery.borders import border_edges
 from meshmark.recovery.repair import Recovered
 from meshmark.recovery.repair import recover as recover_surface
-from meshmark.scene.distinct import distinct
-from meshmark.scene.surfaces import Unfolded
 from meshmark.threads import on_one_thread
 
-__all__ = ["Recovery", "recover"]
+__all__ = ["Recovery", "recover_by_miniature", "unrecovered"]
 
 
 _LEFT = "What differs by no more than the miniature itself is off is left as it is."
@@ -42,20 +37,24 @@ _OPEN = "A hole is left open that meets a border of the model's own, or for whic
 class Recovery:
     """What came of a recovery.
 
-    mesh: the model with its altered parts as the miniature has them, as it is where nothing was altered; None
-    where that cannot be done. altered_area_fraction: of the suspect's surface, 0 to 1. vertices_moved: of those
-    that stay; vertices_removed, faces_added. lost: names of what the file held that one with other faces cannot.
+    mesh: the model with its altered parts brought back, as it is where nothing was altered; None where that cannot
+    be done. altered_area_fraction: of the suspect's surface, 0 to 1. vertices_moved: of those that stay;
+    vertices_removed, faces_added. lost: names of what the file held that one with other faces cannot.
+    restored_from: "miniature", "marked_copy" (made again from the original) or "original" (unmarked); None where
+    nothing was brought back. intact_rms_over_diagonal: how far intact vertices lie from the copy made again.
     advice: one sentence for the reader.
     """
 
     mesh: Mesh | None
-    altered_area_fraction: float
-    vertices_moved: int
-    vertices_removed: int
-    faces_added: int
+    altered_area_fraction: float = 0.0
+    vertices_moved: int = 0
+    vertices_removed: int = 0
+    faces_added: int = 0
     advice: str
     seconds: float
     lost: tuple[str, ...] = ()
+    restored_from: str | None = None
+    intact_rms_over_diagonal: float | None = None
 
     def _repr_html_(self) -> str:
         return notebook_table(
@@ -78,6 +77,8 @@ class Recovery:
             "vertices_removed",
             "faces_added",
             "lost",
+            "restored_from",
+            "intact_rms_over_diagonal",
             "advice",
             "seconds",
         )
@@ -85,7 +86,7 @@ class Recovery:
 
 
 @on_one_thread
-def recover(mesh: Mesh, key: Key, *, reference: Certificate | Mesh | None = None) -> Recovery:
+def recover_by_miniature(mesh: Mesh, key: Key, *, reference: Certificate | Mesh | None = None) -> Recovery:
     """Return the mesh with altered parts brought back: moved ones return, foreign ones go, holes are filled.
 
     Everything else stays bit by bit, with its attributes.
@@ -114,31 +115,16 @@ def recover(mesh: Mesh, key: Key, *, reference: Certificate | Mesh | None = None
     share = float(areas[found.altered].sum() / areas.sum())
     missing = (found.points_missing or 0) > 0
     if found.marked and not found.altered.any() and not missing:
-        return Recovery(
-            mesh=mesh,
-            altered_area_fraction=0.0,
-            vertices_moved=0,
-            vertices_removed=0,
-            faces_added=0,
-            advice="Nothing was altered.",
-            seconds=perf_counter() - start,
-        )
+        return Recovery(mesh=mesh, advice="Nothing was altered.", seconds=perf_counter() - start)
     payload = found.payload
     if payload is None or payload.kind != "miniature":
-        return _unrecovered(share, _why_not(found), start)
+        return unrecovered(share, _why_not(found), start)
     try:
         made = recover_surface(found.surface, found.altered, payload.content, missing=missing)
     except InputError as error:
-        return _unrecovered(share, f"It cannot be recovered: {error}.", start)
-    once = distinct(mesh)
-    if once is not None:
-        surface = replace(found.surface, point_of_vertex=found.surface.point_of_vertex[once.rows])
-        whole, moved, removed, origin = _of_file(once.mesh, surface, made)
-        whole = scene_again(once, whole, origin)
-    elif isinstance(found.surface, Unfolded):
-        whole, moved, removed, _ = _of_file(mesh, found.surface, folded(found.surface, made))
-    else:
-        whole, moved, removed, _ = _of_file(mesh, found.surface, made)
+        return unrecovered(share, f"It cannot be recovered: {error}.", start)
+    file = in_file(mesh, found.surface, made)
+    whole, moved, removed = file.mesh, file.moved, file.removed
     added = int(made.added.sum())
     # Points that nobody added are not to go without anything in their place.
     only_cut = removed > 0 and not (moved or added) and found.points_missing == 0
@@ -150,7 +136,7 @@ def recover(mesh: Mesh, key: Key, *, reference: Certificate | Mesh | None = None
             advice = f"Nothing was brought back. {_OPEN}"
         if only_cut:
             advice = _APART
-        return _unrecovered(share, advice, start)
+        return unrecovered(share, advice, start)
     advice = "The altered parts are back as the miniature has them."
     if not found.altered.any():
         advice = "The missing parts are back as the miniature has them."
@@ -172,20 +158,13 @@ def recover(mesh: Mesh, key: Key, *, reference: Certificate | Mesh | None = None
         advice=advice,
         seconds=perf_counter() - start,
         lost=lost,
+        restored_from="miniature",
     )
 
 
-def _unrecovered(share: float, advice: str, start: float) -> Recovery:
-    """Return that nothing was brought back; share: altered, of the surface; start: of the work, in seconds."""
-    return Recovery(
-        mesh=None,
-        altered_area_fraction=share,
-        vertices_moved=0,
-        vertices_removed=0,
-        faces_added=0,
-        advice=advice,
-        seconds=perf_counter() - start,
-    )
+def unrecovered(share: float, advice: str, start: float) -> Recovery:
+    """Return that nothing was brought back, and why; share: altered, of the surface; start: in seconds."""
+    return Recovery(mesh=None, altered_area_fraction=share, advice=advice, seconds=perf_counter() - start)
 
 
 def _why_not(found: Examination) -> str:
@@ -203,56 +182,3 @@ def _left_open(found: Examination, made: Recovered) -> bool:
     ]  # new points, -1, were not new_boundary
     ends = border_edges(made.faces)
     return bool(new_boundary[ends].all(axis=1).any())
-
-
-def _of_file(mesh: Mesh, surface: Surface, made: Recovered) -> tuple[Mesh, int, int, IntArray]:
-    """Return the recovered mesh with the file's own vertices, how many moved, how many went, and which each was."""
-    there = made.origin >= 0
-    number = np.full(len(surface.points), -1)
-    number[made.origin[there]] = np.flatnonzero(there)
-    at = number[surface.point_of_vertex]
-    moved = (at >= 0) & made.moved[at]
-    vertices = np.where(moved[:, None], made.points[at], mesh.vertices)
-    kept = _kept_faces(mesh.faces, surface, made)
-    if kept.all() and not made.added.any():
-        same = mesh.with_vertices(conform(mesh, vertices))
-        return same, int(moved.sum()), 0, np.arange(len(vertices))
-    used_before, used = np.zeros(len(vertices), bool), np.zeros(len(vertices), bool)
-    used_before[mesh.faces] = True
-    corners = _corners(surface, made, len(vertices))
-    used[mesh.faces[kept]] = True
-    used[corners[corners < len(vertices)]] = True
-    stays = used | ~used_before
-    rename = np.concatenate([np.cumsum(stays) - 1, stays.sum() + np.arange((~there).sum())])
-    origin = np.concatenate([np.flatnonzero(stays), np.full(int((~there).sum()), -1)])
-    whole = derived(
-        mesh,
-        np.concatenate([vertices[stays], made.points[~there]]),
-        rename[np.concatenate([mesh.faces[kept], corners])],
-        origin,
-    )
-    return whole, int((moved & stays).sum()), int((~stays).sum()), origin
-
-
-def _kept_faces(faces: IntArray, surface: Surface, made: Recovered) -> NDArray[np.bool_]:
-    """Return (m,): the faces of the file that are still there."""
-    old = made.origin[made.faces[~made.added]]
-    points = surface.point_of_vertex[faces]
-    flat = (points == np.roll(points, 1, axis=1)).any(axis=1)
-    there = np.isin(_triples(points), _triples(old))
-    return np.asarray(there | (flat & np.isin(points, made.origin).all(axis=1)))
-
-
-def _triples(faces: IntArray) -> NDArray[np.void]:
-    """Return (m,) values that are equal for faces of the same three points."""
-    rows = np.ascontiguousarray(np.sort(faces, axis=1))
-    return rows.view([("a", np.int64), ("b", np.int64), ("c", np.int64)]).ravel()
-
-
-def _corners(surface: Surface, made: Recovered, count: int) -> IntArray:
-    """Return (k, 3): the new faces in vertices of the file; the i-th new point has the number count + i."""
-    names = np.empty(len(made.points), np.int64)
-    new = made.origin < 0
-    names[~new] = surface.vertex_of_point[made.origin[~new]]
-    names[new] = count + np.arange(new.sum())
-    return names[made.faces[made.added]]

@@ -29,6 +29,7 @@ COMMANDS: dict[str, str] = {
     "unmark": "Take a mark off again, with the key and the certificate.",
     "trace": "Say whose copy a model is, by the registry of copies.",
     "registry": "Keep who got which copy.",
+    "batch": "Mark and read many models.",
     "attack": "Simulate common edits and attacks.",
     "compare": "Measure how far apart two models are.",
     "saliency": "Find where a surface stands out.",
@@ -39,7 +40,7 @@ COMMANDS: dict[str, str] = {
     "serve": "Serve the page on which models are marked and checked.",
     "demo": "Show the whole way on one model.",
 }
-GROUPS = ("registry",)
+GROUPS = ("registry", "batch")
 """Commands that are groups of commands: their module offers a `typer.Typer`."""
 # Commands that come with another wheel, and the extra that installs it.
 EXTRAS = {"bench": "research", "train": "research", "serve": "web"}

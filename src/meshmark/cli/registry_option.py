@@ -15,8 +15,8 @@ __all__ = ["REGISTRY_VARIABLE", "RegistryIn", "named_registry", "open_registry",
 
 REGISTRY_VARIABLE = "MESHMARK_REGISTRY"
 """Environment variable that stands in for the option."""
-LIBRARIES = ("sqlalchemy", "alembic")
-"""Of the extra `registry`."""
+PARTS = ("meshmark.registry", "sqlalchemy", "alembic")
+"""What the extra `registry` brings: the wheel meshmark-registry, and its libraries."""
 _HELP = "Registry of copies: the path of an SQLite file, or postgresql://USER:PASSWORD@HOST/NAME."
 _OPTION = typer.Option("--registry", metavar="URL", envvar=REGISTRY_VARIABLE, help=_HELP)
 RegistryIn = Annotated[str | None, _OPTION]
@@ -38,13 +38,13 @@ def open_registry(url: str | None) -> Registry:
 
 
 def registry_class() -> type[Registry]:
-    """Return the class `Registry`; raises `RegistryError` where the libraries of the extra are not installed."""
+    """Return the class `Registry`; raises `RegistryError` where the extra is not installed."""
     try:
         from meshmark.registry.registry import Registry
     except ModuleNotFoundError as error:
-        if str(error.name).partition(".")[0] not in LIBRARIES:
+        if not str(error.name).startswith(PARTS):
             raise
         raise RegistryError(
-            "a registry needs the libraries SQLAlchemy and alembic, get them with: pip install meshmark[registry]"
+            "the registry is not part of this installation, get it with: pip install meshmark[registry]"
         ) from None
     return Registry

@@ -13,7 +13,7 @@ from meshmark.cli.options import AsJson, ForceKey, KeyFile
 from meshmark.cli.output import answer, described
 from meshmark.cli.paths import make_folder, naming
 from meshmark.cli.progress import progress
-from meshmark.cli.registry_option import RegistryIn, open_registry
+from meshmark.cli.registry_option import RegistryIn, open_registry, registry_class
 from meshmark.errors import InputError, MeshmarkError, OutputError
 
 if TYPE_CHECKING:
@@ -98,6 +98,7 @@ def verify_proof(
 
     Exit code 0: confirmed; 1: not.
     """
+    registry_class()  # says what to install where it is not
     from meshmark.coding.keys import Key
     from meshmark.registry.proof_check import check_proof
 

@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING
 from meshmark.late import late_names
 
 if TYPE_CHECKING:
-    from meshmark.authentication.part_recovery import Recovery, recover
+    from meshmark.authentication.part_recovery import Recovery
     from meshmark.authentication.verdict import Authentication, authenticate
     from meshmark.certificate.certificate import Certificate
     from meshmark.marking.both_layers import embed
     from meshmark.marking.both_layers_extraction import extract
     from meshmark.marking.embedding_result import AuthenticationMark, Embedding
     from meshmark.marking.marked_file import embed_file
+    from meshmark.marking.original_recovery import recover
     from meshmark.marking.undo import Unmarked, unmark
     from meshmark.ownership.extraction_result import Evidence, Extraction
     from meshmark.ownership.ownership_mark import OwnershipMark
@@ -50,7 +51,7 @@ _HOME = {
     "embed": "marking.both_layers",
     "embed_file": "marking.marked_file",
     "extract": "marking.both_layers_extraction",
-    "recover": "authentication.part_recovery",
+    "recover": "marking.original_recovery",
     "unmark": "marking.undo",
 }
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from enum import Enum
 from itertools import islice
 
 import numpy as np
@@ -33,6 +34,10 @@ __all__ = ["Authenticated", "Base", "with_authentication"]
 # Choices of marks that are looked at for each precision, and how many of those that carry the id are made and read
 # back. Most choices of a small model leave out a piece of the id.
 _CHOICES, _READ = 8, 3
+# After this number of choices in a row that take away the id of the layer below no other is expected to leave it.
+_LOST = 4
+# Choices that are made and read back at most.
+_TRIES = 12
 # Share of the points below which a remark says how many are in the ring of a mark.
 _WATCHED = 0.9
 _NO_PAYLOAD = (
@@ -66,11 +71,29 @@ class Authenticated:
     carriers: int
 
 
+class _Wanted(Enum):
+    """Which marks are tried.
+
+    Marks with payload, that tell the id, or do not, or whether they do or not; or those of small models, which are
+    read without the id.
+    """
+
+    TELLING_ID = "telling id"
+    NOT_TELLING_ID = "not telling id"
+    ALL = "all"
+    SMALL = "small"
+
+    def has(self, carries_id: bool) -> bool:
+        """Return whether marks that carry the id, or do not, are among them."""
+        return self in (_Wanted.ALL, _Wanted.SMALL) or carries_id == (self is _Wanted.TELLING_ID)
+
+
 def with_authentication(base: Base, request: MarkRequest) -> Authenticated:
     """Return the first marks that are read back as they should, and survive what their tolerance promises.
 
-    For each precision a few keyed choices of points are tried, as some leave a point without a voucher. Where there
-    is room for none that carry a payload, marks without one are, on a layer that carries the id.
+    For each precision a few keyed choices of points are tried, as some leave a point without a voucher. On a layer
+    that carries the id, marks that do not tell it are not read once a change has taken it away there. So marks of
+    small models, without payload, come before them where nobody asked for a payload.
 
     Parameters
     ----------
@@ -87,14 +110,19 @@ def with_authentication(base: Base, request: MarkRequest) -> Authenticated:
     CapacityError
         No marks fit; the message says why the last ones do not.
     """
-    try:
-        return _first_read(base, request, plans(base.mesh, request.key, request.tolerance))
-    except CapacityError:
-        if not _may_go_without_payload(base, request):
+    if _may_go_without_payload(base, request):
+        ways: tuple[_Wanted, ...] = (_Wanted.TELLING_ID, _Wanted.SMALL, _Wanted.NOT_TELLING_ID)
+    else:
+        ways = (_Wanted.ALL if base.has_id else _Wanted.TELLING_ID,)
+    refusals: list[CapacityError] = []
+    for wanted in ways:
+        try:
+            return _first_read(base, request, wanted)
+        except _IdLostError:
             raise
-        with suppress(CapacityError):
-            return _first_read(base, request, plans(base.mesh, request.key, request.tolerance, small=True))
-        raise
+        except CapacityError as error:
+            refusals.append(error)
+    raise refusals[0]
 
 
 def _may_go_without_payload(base: Base, request: MarkRequest) -> bool:
@@ -103,19 +131,27 @@ def _may_go_without_payload(base: Base, request: MarkRequest) -> bool:
     return base.has_id and asked and not request.shown and scene_of(base.original) is None
 
 
-def _first_read(base: Base, request: MarkRequest, planned_marks: Iterator[Planned]) -> Authenticated:
-    refusal = CapacityError("no marks of authentication fit, expected more room for payload")
-    for planned in planned_marks:
-        carrying = (each for each in _choices(planned, request.key) if each.plan.carries_id or base.has_id)
+def _first_read(base: Base, request: MarkRequest, wanted: _Wanted) -> Authenticated:
+    """Return the first marks of those wanted that hold; raises `CapacityError` where there are none."""
+    refusal, lost, tries = (
+        CapacityError("no marks of authentication fit, expected more room for payload"),
+        0,
+        0,
+    )
+    for planned in plans(base.mesh, request.key, request.tolerance, small=wanted is _Wanted.SMALL):
+        some = (each for each in _choices(planned, request.key) if wanted.has(each.plan.carries_id))
         refusal = CapacityError("the model has room for too few marks of authentication to tell its id")
-        try:
-            for chosen in islice(carrying, _READ):
-                try:
-                    return _bound_or_not(base, request, chosen)
-                except _UnreadError as error:
-                    refusal = error
-        except CapacityError as error:
-            refusal = error
+        for chosen in islice(some, _READ):
+            try:
+                return _bound_or_not(base, request, chosen)
+            except _UnreadError as error:
+                refusal, tries = error, tries + 1
+                lost = lost + 1 if isinstance(error, _IdLostError) else 0
+                if lost == _LOST or tries == _TRIES:
+                    raise
+            except CapacityError as error:
+                refusal = error
+                break
     raise refusal
 
 
@@ -128,7 +164,11 @@ def _bound_or_not(base: Base, request: MarkRequest, chosen: Planned) -> Authenti
 
 
 class _UnreadError(CapacityError):
-    """The marks of authentication are not read back as they should, or the id below them is not."""
+    """The marks of authentication, or the id below them, are not read back as they should; others may be."""
+
+
+class _IdLostError(_UnreadError):
+    """The marks move points too much for the layer below."""
 
 
 class _UnplacedError(_UnreadError):
@@ -167,6 +207,8 @@ def _marked(base: Base, request: MarkRequest, planned: Planned, *, bound: bool) 
     if bound and found.marked and found.payload is None:
         raise _UnplacedError("the marks of authentication do not tell where the model lies")
     if not authentic(found, request.id):
+        if base.has_id and found.marked and found.id is None:
+            raise _IdLostError("the id cannot be read beside the marks of authentication")
         raise _UnreadError(
             "the marks of authentication cannot be read back from the positions the file can hold"
         )
@@ -174,14 +216,14 @@ def _marked(base: Base, request: MarkRequest, planned: Planned, *, bound: bool) 
         raise _UnreadError("the payload cannot be read back from the marked model")
     broken = broken_by(result, request.key, request.id, precision.bears, precision.error)
     if broken is not None:
-        raise CapacityError(
+        raise _UnreadError(
             f"the marks of authentication would not survive {broken}, as the tolerance promises"
         )
     carriers = 0
     if base.has_id:
         below = extract(result, request.key, search="plain")
         if below.id != request.id:
-            raise _UnreadError("the id cannot be read beside the marks of authentication")
+            raise _IdLostError("the id cannot be read beside the marks of authentication")
         carriers = below.carriers
     watched = float(found.checks.verified.sum()) / max(int(found.surface.used.sum()), 1)
     if watched < _WATCHED:

@@ -21,12 +21,15 @@ from meshmark.threads import on_one_thread
 
 __all__ = ["Owned", "embed"]
 
-# On models of at most this number of points, points carry rather than cells that dent planes, or do not bear noise
-# of this deviation over the diagonal, about that of the marks of authentication.
+# On models of at most this number of points, points carry rather than cells that dent planes.
 SMALL = 5_000
+# On models of at most this other number, rather than cells that do not bear noise of this deviation over the
+# diagonal, about that of the marks of authentication.
+MAY_BE_FRAIL = 20_000
 FRAIL_NOISE = 1e-4
-# Of the training models tried none tougher than this lost its id to the noise (`OwnershipMark.toughness`).
-FIRM = 0.5
+# Of the training models tried none tougher than this lost its id to the noise (`OwnershipMark.toughness`), but for
+# those of which more than this share is sheets so thin that faces of both sides are in one cell.
+FIRM, FOLDED = 0.5, 0.3
 # On larger ones planes are left alone where the mark still bears this share of the noise that it would bear; where
 # they are more than this share of the surface, it never did on training models.
 TOUGH, MOSTLY_PLANE = 0.7, 0.4
@@ -92,11 +95,15 @@ def _marked(task: EmbeddingTask) -> Owned:
             return _in_points(task)
         except CapacityError as other:
             raise CapacityError(f"{error}; {other}") from None
-    if flat is not None and not small and flat.mark.toughness >= TOUGH * in_cells.mark.toughness:
+    leaves_planes = flat is not None and not small and flat.mark.toughness >= TOUGH * in_cells.mark.toughness
+    if flat is not None and leaves_planes and not _is_frail(task, flat):
         return flat
-    if small and (not task.keeps_planes(in_cells.mesh) or _is_frail(task, in_cells)):
+    bears = (not small or task.keeps_planes(in_cells.mesh)) and not _is_frail(task, in_cells)
+    if not bears:
         with suppress(CapacityError):
-            return _in_points(task)
+            in_points = _in_points(task)
+            if small or not _is_frail(task, in_points):
+                return in_points
     return in_cells
 
 
@@ -118,8 +125,9 @@ def _in_points(task: EmbeddingTask) -> Owned:
 
 
 def _is_frail(task: EmbeddingTask, made: Owned) -> bool:
-    """Return whether the cells of a coarse model carry so little that a layer on top takes the id away."""
-    if made.mark.toughness > FIRM:
+    """Return whether the mark of a small model bears so little that a layer on top takes the id away."""
+    firm = not made.mark.at_points and made.mark.toughness > FIRM and made.folded <= FOLDED
+    if firm or len(task.surface.points) > MAY_BE_FRAIL:
         return False
     size = task.surface.points.shape
     rng = np.random.default_rng(0)  # the same noise every time

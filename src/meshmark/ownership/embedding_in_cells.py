@@ -110,7 +110,7 @@ def _read_back(task: EmbeddingTask, shaping: Shaping) -> Owned | None:
                 spacing=shaping.lattice.spacing,
                 step=float(step),
             )
-            return Owned(mesh=marked, mark=mark)
+            return Owned(mesh=marked, mark=mark, folded=shaping.surroundings.folded)
     return None
 
 

@@ -31,10 +31,14 @@ PLANE_OFF = 5e-5
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Owned:
-    """A mesh with a mark of the ownership layer."""
+    """A mesh with a mark of the ownership layer.
+
+    folded: share of the surface, 0 to 1, in cells where faces point in too many directions; 0 of a mark at points.
+    """
 
     mesh: Mesh
     mark: OwnershipMark
+    folded: float = 0.0
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -24,6 +24,7 @@ from meshmark.coding.keys import Key
 from meshmark.coding.message import format_id
 from meshmark.errors import OutputError, RegistryError
 from meshmark.io import Staging, input_files
+from meshmark.io.file_digest import digest_of_file
 from meshmark.marking.embedding_result import Embedding
 from meshmark.marking.marked_file import embed_file
 from meshmark.mesh import Mesh
@@ -31,7 +32,7 @@ from meshmark.registry.database_tables import ISSUED
 from meshmark.registry.entering import original_of_mesh
 from meshmark.registry.original_digest import digest_of_mesh
 from meshmark.registry.recipients import Recipient
-from meshmark.registry.recording import digest_of_file, recorded
+from meshmark.registry.recording import recorded
 from meshmark.registry.records import Copy, Original
 from meshmark.registry.registry import Registry
 from meshmark.registry.rows import plain

@@ -7,7 +7,6 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
-from hashlib import sha256
 from pathlib import Path
 
 from meshmark import __version__
@@ -16,6 +15,7 @@ from meshmark.certificate.certificate_fields import VERSION
 from meshmark.coding.keys import Key
 from meshmark.coding.message import format_id
 from meshmark.errors import RegistryError
+from meshmark.io.file_digest import digest_of_file
 from meshmark.marking.embedding_result import Embedding
 from meshmark.registry.commitment import Statement, key_check, opening_of
 from meshmark.registry.database_tables import PENDING
@@ -23,7 +23,7 @@ from meshmark.registry.records import Copy, MarkedWith, Original
 from meshmark.registry.registry import Registry
 from meshmark.registry.times import now
 
-__all__ = ["Entry", "digest_of_file", "mark_of", "recorded"]
+__all__ = ["Entry", "mark_of", "recorded"]
 
 
 @dataclass(eq=False, kw_only=True)
@@ -112,15 +112,6 @@ def statement_of(entry: Entry, marked_digest: str, issued_at: str) -> Statement:
         key=entry.key.fingerprint,
         key_check=key_check(entry.key),
     )
-
-
-def digest_of_file(path: Path) -> str:
-    """Return SHA-256 of what a file holds, 64 hexadecimal digits."""
-    found = sha256()
-    with path.open("rb") as stream:
-        while block := stream.read(1 << 20):
-            found.update(block)
-    return found.hexdigest()
 
 
 def mark_of(certificate: Certificate) -> MarkedWith:

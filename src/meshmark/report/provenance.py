@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import platform
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -10,6 +9,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from meshmark import __version__
+from meshmark.io.file_digest import digest_of_file
 
 __all__ = ["Provenance", "provenance"]
 
@@ -65,10 +65,5 @@ def provenance(
     files: that it consists of, by name, the model first; those that do not exist, as standard input, are left out.
     key: public fingerprint. made: now by default.
     """
-    sums = tuple((called, _sha256(path)) for called, path in files.items() if path.is_file())
+    sums = tuple((called, digest_of_file(path)) for called, path in files.items() if path.is_file())
     return Provenance(name=name, files=sums, key=key, reference=reference, made=made or datetime.now(UTC))
-
-
-def _sha256(path: Path) -> str:
-    with path.open("rb") as stream:
-        return hashlib.file_digest(stream, "sha256").hexdigest()

@@ -24,7 +24,6 @@ from meshmark.authentication.parameters import (
     LEVELS,
     SMALL,
     SMALL_RINGS,
-    STYLES,
     WEB,
     WEB_GRID,
     Layout,
@@ -111,7 +110,8 @@ def likeliest_setting(
         finest = style.unit * error * diagonal
         styled = [(group, in_style(shape, style)) for group, shape in sample]
         likely = [np.floor(level_of(shape, finest))[:, None] + np.array(near) for _, shape in styled]
-        best = _best(points, styled, likely, key, nonce)
+        only = HEADER if nonce is None else None
+        best = _best(_tried(points, styled, likely, key, only), style, key, nonce)
         if (
             best is not None
             and best.log10_chance <= _CLEAR_LOG10
@@ -123,12 +123,11 @@ def likeliest_setting(
         return None
     every_level = [np.tile(np.array(LEVELS), (len(group.vertex), 1)) for group, _ in sample]
     found = []
-    for style in STYLES:
-        if style is SMALL and total > SMALL_RINGS:
-            continue
-        styled = [(group, in_style(shape, style)) for group, shape in sample]
-        if (best := _best(points, styled, every_level, key, nonce)) is not None:
-            found.append(best)
+    for styles in ((FINE,) if total > SMALL_RINGS else (FINE, SMALL), (WEB,)):  # the marks of each lie alike
+        styled = [(group, in_style(shape, styles[0])) for group, shape in sample]
+        only = HEADER if nonce is None and SMALL not in styles else None
+        tried = _tried(points, styled, every_level, key, only)
+        found += [best for style in styles if (best := _best(tried, style, key, nonce)) is not None]
     return min(found, key=lambda each: each.log10_chance, default=None)
 
 
@@ -138,28 +137,39 @@ def _inside(best: Setting, finest: float, near: range) -> bool:
     return 1 - near.stop <= least - best.doubt and least + best.doubt <= -near.start
 
 
-def _best(
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Tried:
+    """Candidates of rings that are each tried with several steps; size: (c,) of the smallest step, in levels."""
+
+    found: Candidates
+    size: FloatArray
+
+
+def _tried(
     points: FloatArray,
     sample: list[tuple[Rings, RingShapes]],
     levels: list[FloatArray],
     key: Key,
-    nonce: int | None,
-) -> Setting | None:
-    """Return the likeliest setting of rings that are each tried with `levels` (r, k)."""
+    only: int | None,
+) -> _Tried:
+    """Return the candidates of rings with `levels` (r, k); `only` those of a kind."""
     subkey = key.subkey(PURPOSE)
-    style = sample[0][1].style
     parts = []
     for (group, shape), level in zip(sample, levels, strict=True):
         row, column = np.nonzero((level >= LEVELS[0]) & (level <= LEVELS[-1]))
         tried = level[row, column].astype(np.int64)
         shaped = shape.take(row)
-        # Without the model's id only the marks that tell it can be read.
-        only = HEADER if nonce is None and style is not SMALL else None
         ways = candidates(points, group.take(row), shaped, tried, subkey, all_ways=False, only=only)
         parts.append(((level_of(shaped, 1.0) - tried)[ways.ring], ways))
-    size = np.concatenate([part[0] for part in parts])
-    found = joined([part[1] for part in parts])
-    found = as_laid_out(found, style.layouts[0])
+    return _Tried(found=joined([part[1] for part in parts]), size=np.concatenate([part[0] for part in parts]))
+
+
+def _best(tried: _Tried, style: Style, key: Key, nonce: int | None) -> Setting | None:
+    """Return the likeliest setting of a style; without the model's id only marks that tell it can be read."""
+    found, size = as_laid_out(tried.found, style.layouts[0]), tried.size
+    if nonce is None:
+        some = found.kind == HEADER
+        found, size = found.take(some), size[some]
     bound = bind(found, key, nonce)
     order = np.argsort(size)
     off = np.abs(found.place - found.whole).max(axis=1)

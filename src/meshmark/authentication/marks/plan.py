@@ -170,7 +170,7 @@ def plan(surface: Surface, key: Key, precision: float, choice: int = 0, style: S
                     firm = firm.copy()
                     firm[alike(found)] = False
                     chosen = firm_first(surface.connectivity, allowed, firm, chance)
-                    found = _found(points, parts, chosen, unit, key)
+                    found = as_laid_out(_found(points, parts, chosen, unit, key), layout)
                 return Plan(
                     surface=surface,
                     found=found,

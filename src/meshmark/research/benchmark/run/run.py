@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from math import inf
 from pathlib import Path
 from time import perf_counter
@@ -18,8 +19,8 @@ from meshmark.research.benchmark.run.row import Case, Row
 from meshmark.research.benchmark.run.schedule import Schedule
 from meshmark.research.benchmark.run.store import Store
 from meshmark.research.benchmark.run.suites import SUITES, cases
-from meshmark.research.benchmark.run.worker import Setup
-from meshmark.research.benchmark.run.worker_pool import WorkerPool
+from meshmark.research.benchmark.run.worker import Setup, ended, work
+from meshmark.workers.worker_pool import WorkerPool
 
 __all__ = ["Finished", "Plan", "run", "schemes_of"]
 
@@ -91,12 +92,22 @@ def run(plan: Plan, progress: Callable[[int, int, int], None] = lambda *_: None)
         clear_unfinished(plan.out)
         held = store.cases() | store.probes().keys()
         left = [job for job in wanted if job not in held]
-        with WorkerPool(workers, setup, plan.time_limit) as pool:
+        with _pool(workers, setup, plan.time_limit) as pool:
             undone = _Run(store, pool, left, len(wanted), progress, plan.hours).go()
         rows, kept = store.rows(), store.facts() or facts
         return Finished(
             rows=rows, facts=kept, resumed=len(wanted) - len(left), probes=store.probes(), left=undone
         )
+
+
+def _pool(workers: int, setup: Setup, time_limit: float) -> WorkerPool[Job, Outcome]:
+    return WorkerPool(
+        workers,
+        partial(work, setup),
+        time_limit=time_limit,
+        memory_mb=setup.worker_memory_mb,
+        preload="meshmark.research.benchmark.run.worker",
+    )
 
 
 def schemes_of(plan: Plan) -> tuple[str, ...]:
@@ -138,7 +149,7 @@ class _Run:
     def __init__(
         self,
         store: Store,
-        pool: WorkerPool,
+        pool: WorkerPool[Job, Outcome],
         left: list[Case | Probe],
         total: int,
         progress: Callable[[int, int, int], None],
@@ -161,7 +172,8 @@ class _Run:
                 self.pool.submit(job)
             if not self.pool.busy:
                 return self.total - self.done
-            for job, outcome in self.pool.finished():
+            for job, result in self.pool.finished():
+                outcome = ended(result)
                 if isinstance(job, Case | Probe):
                     self._keep([(job, outcome)])
                 else:

@@ -7,9 +7,9 @@ import sqlite3
 from collections.abc import Iterator
 from dataclasses import asdict, astuple, fields, replace
 from pathlib import Path
-from typing import IO
 
 from meshmark.errors import InputError, OutputError
+from meshmark.io.folder_lock import locked_folder
 from meshmark.research.benchmark.run.facts import Facts
 from meshmark.research.benchmark.run.job import Job, Look, Mark, Outcome, Probe
 from meshmark.research.benchmark.run.row import Case, Row
@@ -38,7 +38,7 @@ class Store:
     def __init__(self, folder: Path) -> None:
         """Open or make the store of a folder; raises `OutputError` where another run holds it."""
         self.folder, self.path = folder, folder / NAME
-        self._lock = _lock(folder / ".lock")
+        self._lock = locked_folder(folder, "benchmark")
         try:
             self._base = sqlite3.connect(self.path, isolation_level=None)
             self._base.execute("PRAGMA journal_mode=WAL")
@@ -139,23 +139,3 @@ def _check_same(name: str, held: object, given: object, folder: Path) -> None:
 
 def _shown(value: object) -> str:
     return ", ".join(value) if isinstance(value, dict) else str(value)
-
-
-def _lock(path: Path) -> IO[str]:
-    """Return an open file that only one process can hold; it lets go however that process ends."""
-    try:
-        file = path.open("w")
-    except OSError as error:
-        raise OutputError(f"cannot write in {path.parent}: {error.strerror}") from None
-    try:
-        import fcntl
-    except ImportError:  # Windows: nothing keeps two runs apart there
-        return file
-    try:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
-        file.close()
-        raise OutputError(
-            f"another benchmark is running in {path.parent}, expected a folder of its own"
-        ) from None
-    return file

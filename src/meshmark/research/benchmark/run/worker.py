@@ -1,26 +1,21 @@
-"""What a worker process of a benchmark does: one job at a time, under limits, and it ends when its parent does."""
+"""What a worker process of a benchmark does: one job at a time."""
 
 from __future__ import annotations
 
-import os
-import signal
-import sys
-import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from threadpoolctl import threadpool_limits
-
 from meshmark.errors import CapacityError, MeshmarkError
 from meshmark.research.benchmark.run.job import Job, Look, Mark, Outcome, Probe
 from meshmark.research.benchmark.run.judging import judge
 from meshmark.research.benchmark.run.marked_model import look, mark
-from meshmark.research.benchmark.run.memory import forget_peak, limit_memory, peak_mb
 from meshmark.research.benchmark.run.probes import probe
+from meshmark.workers.memory import forget_peak, peak_mb
+from meshmark.workers.worker_pool import Lost
 
-__all__ = ["Setup", "begin", "work"]
+__all__ = ["Setup", "ended", "work"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,13 +27,6 @@ class Setup:
     worker_memory_mb: int
 
 
-def begin(setup: Setup) -> None:
-    """Prepare this process: one thread for linear algebra, a limit on memory, an end with the parent."""
-    threadpool_limits(1)
-    limit_memory(setup.worker_memory_mb)
-    _end_with_parent()
-
-
 def work(setup: Setup, job: Job) -> Outcome:
     """Do one job; whatever goes wrong in it is an outcome."""
     forget_peak()
@@ -48,6 +36,11 @@ def work(setup: Setup, job: Job) -> Outcome:
     return Outcome(
         status=outcome.status, note=outcome.note, figures={**outcome.figures, "peak_mb": peak_mb()}
     )
+
+
+def ended(result: Outcome | Lost) -> Outcome:
+    """Return the outcome of a job, also of one that lost its worker."""
+    return Outcome(status=result.why, note=result.note) if isinstance(result, Lost) else result
 
 
 def _function(setup: Setup, job: Job) -> Callable[[], Outcome]:
@@ -71,23 +64,3 @@ def _outcome(function: Callable[[], Outcome], setup: Setup) -> Outcome:
         return Outcome(status="failed", note=f"needed more than {setup.worker_memory_mb} MiB of memory")
     except Exception as error:  # a scheme from outside may raise anything; its case is lost, not the run
         return Outcome(status="failed", note=" ".join(f"{type(error).__name__}: {error}".split()))
-
-
-def _end_with_parent() -> None:
-    """End this process when the one that started the run ends, however that happens."""
-    from multiprocessing import connection, parent_process
-
-    parent = parent_process()
-    if parent is None:
-        return
-
-    def watch() -> None:
-        connection.wait([parent.sentinel])
-        os._exit(1)
-
-    threading.Thread(target=watch, daemon=True).start()
-    if sys.platform == "linux":  # the thread cannot run while foreign code holds the interpreter
-        import ctypes
-
-        set_death_signal = 1
-        ctypes.CDLL(None).prctl(set_death_signal, signal.SIGKILL)

@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from meshmark.research.benchmark.run.memory import peak_mb
+from meshmark.workers.memory import peak_mb
 
 SIZE = 300 << 20
 
@@ -24,7 +24,7 @@ def test_a_peak_can_be_forgotten():
     high, low, again = map(
         float,
         said(
-            f"from meshmark.research.benchmark.run.memory import *\nb = b'x' * {SIZE}\nprint(peak_mb())\n"
+            f"from meshmark.workers.memory import *\nb = b'x' * {SIZE}\nprint(peak_mb())\n"
             f"del b\nforget_peak()\nprint(peak_mb())\nb = b'x' * {SIZE}\nprint(peak_mb())"
         ),
     )
@@ -36,7 +36,7 @@ def test_a_peak_can_be_forgotten():
 @pytest.mark.skipif(sys.platform == "win32", reason="there is no limit there")
 def test_what_goes_beyond_the_limit_is_a_memory_error_and_the_process_lives():
     code = (
-        "from meshmark.research.benchmark.run.memory import limit_memory\nlimit_memory(200)\n"
+        "from meshmark.workers.memory import limit_memory\nlimit_memory(200)\n"
         f"try:\n    b'x' * {SIZE}\nexcept MemoryError:\n    print('refused')\nprint(len(b'x' * {SIZE // 10}))"
     )
     assert said(code) == ["refused", str(SIZE // 10)]

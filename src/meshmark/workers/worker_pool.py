@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import signal
+from collections.abc import Callable
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass
+from functools import partial
 from multiprocessing import get_all_start_methods, get_context
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from meshmark.errors import InputError
-from meshmark.research.benchmark.run.job import Job, Outcome
-from meshmark.research.benchmark.run.worker import Setup, begin, work
+from meshmark.workers.preparation import prepare
 
 if TYPE_CHECKING:
     from pebble import ProcessPool
 
-__all__ = ["WorkerPool"]
+__all__ = ["Lost", "WorkerPool"]
+
+_Job = TypeVar("_Job")
+_Result = TypeVar("_Result")
 
 # A worker can also be ended from outside, so a job is lost only when it loses its worker this often.
 _TRIES = 3
@@ -23,28 +28,48 @@ _TRIES = 3
 _PATIENCE = 1.0
 
 
-class WorkerPool:
+@dataclass(frozen=True, kw_only=True)
+class Lost:
+    """A job that ended without a result. why: "timeout" or "killed"; note: how, in words."""
+
+    why: str
+    note: str
+
+
+class WorkerPool(Generic[_Job, _Result]):
     """A fixed number of workers, as a context manager.
 
-    `submit` gives a job to a free one, `finished` waits for results. Raises `InputError` where pebble is missing.
+    `submit` gives a job to a free one, `finished` waits for results.
     """
 
-    def __init__(self, workers: int, setup: Setup, time_limit: float) -> None:
-        """Make the pool; each worker starts with its first job, which may take `time_limit` seconds."""
+    def __init__(
+        self,
+        workers: int,
+        function: Callable[[_Job], _Result],
+        *,
+        time_limit: float,
+        memory_mb: int,
+        preload: str,
+    ) -> None:
+        """Make the pool; each worker starts with its first job.
+
+        function: what a worker does with a job, of a module; time_limit: of a job, seconds; memory_mb: of a worker,
+        MiB; preload: the module that workers need. Raises `InputError` where pebble is missing.
+        """
         try:
             import pebble  # noqa: F401
         except ImportError:
-            raise InputError("benchmarks need pebble: pip install meshmark[research]") from None
-        self.setup, self.time_limit = setup, time_limit
+            raise InputError("worker processes need pebble: pip install meshmark[batch]") from None
+        self.function, self.time_limit, self.memory_mb = function, time_limit, memory_mb
         # Children come from a process with one thread, which has imported what they need.
         method = "forkserver" if "forkserver" in get_all_start_methods() else "spawn"
         self._context: Any = get_context(method)
         if method == "forkserver":
-            self._context.set_forkserver_preload(["meshmark.research.benchmark.run.worker"])
+            self._context.set_forkserver_preload([preload])
         self._free: list[ProcessPool | None] = [None] * workers
-        self._busy: dict[Future[Outcome], tuple[ProcessPool, Job, int]] = {}
+        self._busy: dict[Future[_Result], tuple[ProcessPool, _Job, int]] = {}
 
-    def __enter__(self) -> WorkerPool:
+    def __enter__(self) -> WorkerPool[_Job, _Result]:
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -61,27 +86,27 @@ class WorkerPool:
         """Return how many workers have a job."""
         return len(self._busy)
 
-    def submit(self, job: Job, attempt: int = 1) -> None:
+    def submit(self, job: _Job, attempt: int = 1) -> None:
         """Give a job to a free worker."""
         pool = self._free.pop()
         if pool is None or not pool.active:  # an idle worker was ended from outside
             pool = self._renewed(pool)
-        future = pool.schedule(work, args=[self.setup, job], timeout=self.time_limit)
+        future = pool.schedule(self.function, args=[job], timeout=self.time_limit)
         self._busy[future] = pool, job, attempt
 
-    def finished(self) -> list[tuple[Job, Outcome]]:
+    def finished(self) -> list[tuple[_Job, _Result | Lost]]:
         """Wait until a job ends and return those that have; one that lost its worker is tried again first."""
-        results: list[tuple[Job, Outcome]] = []
+        results: list[tuple[_Job, _Result | Lost]] = []
         for future in self._ended():
             pool, job, attempt = self._busy.pop(future)
             outcome = self._outcome(future, pool)
-            if outcome.status == "killed" and attempt < _TRIES:
+            if isinstance(outcome, Lost) and outcome.why == "killed" and attempt < _TRIES:
                 self.submit(job, attempt + 1)
             else:
                 results.append((job, outcome))
         return results
 
-    def _ended(self) -> list[Future[Outcome]]:
+    def _ended(self) -> list[Future[_Result]]:
         """Wait until a job has ended, or has lost its pool before the pool knew of it."""
         while True:
             done, others = wait(self._busy, timeout=_PATIENCE, return_when=FIRST_COMPLETED)
@@ -89,23 +114,23 @@ class WorkerPool:
             if ended:
                 return ended
 
-    def _outcome(self, future: Future[Outcome], pool: ProcessPool) -> Outcome:
+    def _outcome(self, future: Future[_Result], pool: ProcessPool) -> _Result | Lost:
         from pebble import ProcessExpired
 
         if not future.done():
-            outcome = Outcome(status="killed", note="the worker ended before it could begin")
+            outcome = Lost(why="killed", note="the worker ended before it could begin")
         else:
             try:
-                outcome = future.result()
+                result = future.result()
             except TimeoutError:
-                outcome = Outcome(status="timeout", note=f"took longer than {self.time_limit:g} s")
+                outcome = Lost(why="timeout", note=f"took longer than {self.time_limit:g} s")
             except ProcessExpired as error:
-                outcome = Outcome(status="killed", note=f"the worker {_how(error.exitcode)}")
+                outcome = Lost(why="killed", note=f"the worker {_how(error.exitcode)}")
             except BrokenProcessPool:
-                outcome = Outcome(status="killed", note="the worker ended before it could begin")
+                outcome = Lost(why="killed", note="the worker ended before it could begin")
             else:
                 self._free.append(pool)
-                return outcome
+                return result
         self._free.append(self._renewed(pool))
         return outcome
 
@@ -115,7 +140,7 @@ class WorkerPool:
 
         if pool is not None:
             _stop([pool])
-        return ProcessPool(max_workers=1, initializer=begin, initargs=[self.setup], context=self._context)
+        return ProcessPool(max_workers=1, initializer=partial(prepare, self.memory_mb), context=self._context)
 
 
 def _stop(pools: list[ProcessPool]) -> None:

@@ -1,0 +1,1 @@
+"""Processes that work for this one, under limits of time and memory."""
