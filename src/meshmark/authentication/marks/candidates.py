@@ -31,8 +31,8 @@ from meshmark.coding.keyed import cell_words, unit_interval
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = [
-    "HEADER", "PAYLOAD", "PLACE", "Beside", "Candidates", "as_laid_out", "beside", "candidates", "eligible", "joined",
-    "level_of", "room", "step_of", "with_beside",
+    "HEADER", "PAYLOAD", "PLACE", "Beside", "Candidates", "as_laid_out", "beside", "candidates", "eligible",
+    "joined", "level_of", "room", "step_of", "with_beside",
 ]  # fmt: skip
 
 HEADER, PLACE, PAYLOAD = 0, 1, 2
