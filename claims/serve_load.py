@@ -1,6 +1,6 @@
 """A model of 775,730 points through `meshmark serve`, and a second user's small one beside it again and again.
 
-python -m claims.serve_load [--action embed] [--model large/horse_loop2_775730.ply.xz] [--every 10] [--minutes 60]
+python -m claims.serve_load [--action embed] [--layers ownership] [--model PATH.xz] [--every 10] [--minutes 60]
 
 One client uploads the large model; another one uploads a pebble of 2,382 points every few seconds and asks for the
 id in it. Printed: how long the small jobs waited before they were begun, how long they took beside the same job on
@@ -94,6 +94,7 @@ def main() -> int:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--action", default="embed", choices=("embed", "extract", "authenticate"))
+    parser.add_argument("--layers", default="", choices=("", "both", "ownership", "authentication"))
     parser.add_argument("--model", default=LARGE)
     parser.add_argument("--every", type=float, default=10.0, metavar="SECONDS")
     parser.add_argument("--minutes", type=float, default=60.0)
@@ -107,17 +108,19 @@ def main() -> int:
             client.post("/api/keys", json={"label": "studio"})
             marked = mm.embed(mm.Mesh(*pebble(70)), mm.Key.load(server.key), layers="ownership")
             mm.write_mesh(marked.mesh, small)
-            return measured(server, client, large, small, every=given.every, action=given.action)
+            order = {"action": given.action, **({"layers": given.layers} if given.layers else {})}
+            return measured(server, client, large, small, every=given.every, order=order)
 
 
 def measured(
-    server: Served, client: httpx.Client, large: Path, small: Path, *, every: float, action: str
+    server: Served, client: httpx.Client, large: Path, small: Path, *, every: float, order: dict[str, str]
 ) -> int:
     """Run the large job and small ones beside it, and print what is seen."""
     alone = [small_job(server, small, client)[1] for _ in range(3)]
     watch = Watch(server.process.pid)
     watch.start()
-    start, job = time.perf_counter(), server.begin(action, large, client=client).json()
+    more = {name: value for name, value in order.items() if name != "action"}
+    start, job = time.perf_counter(), server.begin(order["action"], large, client=client, **more).json()
     beside: list[tuple[float, float, float]] = []
     while client.get(f"/api/jobs/{job['id']}").json()["state"] not in OVER:
         beside.append(small_job(server, small, client))
@@ -126,7 +129,9 @@ def measured(
     watch.stopped.set()
     found = wait_for(job["id"], client)
     waits, ends, requests = zip(*beside, strict=True)
-    print(f"{action} of {large.name}: {found['state']} after {seconds:.0f} s {found['error'] or ''}")
+    print(
+        f"{' '.join(order.values())} of {large.name}: {found['state']} after {seconds:.0f} s {found['error'] or ''}"
+    )
     print(
         f"{len(beside)} small jobs beside it: begun after {max(waits):.2f} s at most (bar: {MOST_WAIT:.0f})"
     )

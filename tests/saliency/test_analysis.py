@@ -20,6 +20,14 @@ def test_torn_apart_triangles_give_the_same_answer_in_file_vertices() -> None:
     assert faces.ravel()[torn.salient].tolist() == whole.salient.tolist()
 
 
+@pytest.mark.parametrize("power", [-300, 310])
+def test_no_unit_changes_anything(power: int) -> None:
+    points, faces, _ = sphere_with_a_spike()
+    one, other = analyse(Mesh(points, faces)), analyse(Mesh(np.ldexp(points, power), faces))
+    assert (one.beta == other.beta).all()
+    assert (one.salient == other.salient).all()
+
+
 def test_json_fields() -> None:
     points, faces, tip = sphere_with_a_spike()
     fields = json.loads(json.dumps(analyse(Mesh(points, faces)).to_dict()))

@@ -43,3 +43,9 @@ def test_one_seed_and_one_place_are_no_trouble() -> None:
     points = np.zeros((5, 3))
     assert not assign(points, points[:1], balanced_weights(points, np.ones(5), points[:1])).any()
     assert np.isfinite(balanced_weights(points, np.ones(5), points[:2])).all()
+
+
+def test_points_in_about_one_place_cannot_be_shared_out() -> None:
+    points = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 1e-180]])
+    seeds = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+    assert balanced_weights(points, np.ones(2), seeds).tolist() == [0.0, 0.0]

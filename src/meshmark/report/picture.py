@@ -114,8 +114,8 @@ def render(panel: Panel, size: int, view: FloatArray) -> NDArray[np.uint8]:
 def on_screen(
     points: FloatArray, faces: IntArray, size: int, view: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return points (p, 3) turned by the view, and their places (p, 3) on a square of `size` pixels that the model
-    fills, depth in [0, 1] as `rasterise` takes it.
+    """Return points (p, 3) turned by the view, in pixels, and their places (p, 3) on a square of `size` pixels that
+    the model fills, depth in [0, 1] as `rasterise` takes it.
     """
     used = np.unique(faces) if len(faces) else np.arange(len(points))
     viewed = points @ view.T
@@ -127,7 +127,7 @@ def on_screen(
     screen[:, 1] = (middle[1] - viewed[:, 1]) * scale + size / 2.0
     screen[:, 2] = 0.01 + 0.9 * (high[2] - viewed[:, 2]) * scale / (size * 3.0)
     screen[:, 2] = np.clip(screen[:, 2], 0.0, 1.0)
-    return viewed, screen
+    return (viewed - middle) * scale, screen
 
 
 def _colours(panel: Panel, seen: Seen) -> FloatArray:

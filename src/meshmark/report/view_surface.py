@@ -24,7 +24,7 @@ PICTURE_VIEW = three_quarter_view(np.zeros((1, 3)), Stance(up=(0.0, 1.0, 0.0), f
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ViewSurface:
-    """points: (p, 3), x to the right, y up, z towards who stands in front; faces: (m, 3).
+    """points: (p, 3), x to the right, y up, z towards who stands in front, of a size of about 1; faces: (m, 3).
 
     vertex: (p,) the vertex of the file that each point takes its values from. shown_of: triangles of the file where
     there are fewer here, else None.
@@ -55,6 +55,10 @@ def view_surface(mesh: Mesh, *, turn: FloatArray | None = None, most: int = LARG
     points, faces, vertex = welded.points[used], corners.reshape(-1, 3), welded.vertex_of_point[used]
     if turn is None:
         turn = level_view(welded.points, stance_of(mesh))
+    points = points - points.min(axis=0)
+    points /= (
+        float(points.max()) or 1.0
+    )  # single precision, in which a view is drawn, holds it whatever its unit
     shown_of = None
     if len(faces) > most:
         points, faces, kept = decimated(points, faces, most)

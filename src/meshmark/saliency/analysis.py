@@ -6,6 +6,8 @@ import time
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from meshmark.errors import InputError
 from meshmark.geometry.surface import Surface
 from meshmark.geometry.weld import weld
@@ -63,9 +65,15 @@ def analyse(mesh: Mesh) -> SaliencyResult:
 
 
 def points_and_saliency(mesh: Mesh) -> tuple[Surface, Saliency]:
-    """Return the welded mesh and its saliency; raises `InputError` where it has no proper triangle."""
+    """Return the welded mesh, in a unit of about its size, and its saliency, which no unit changes.
+
+    The unit is a power of two, so that nothing is rounded, and squares of areas stay in the range of floats. Raises
+    `InputError` where there is no proper triangle.
+    """
     welded = weld(mesh)
     if not len(welded.faces):
         given = f"{len(mesh.faces)} faces, none with three different points"
         raise InputError(f"the model has {given}, expected a surface")
-    return welded, saliency(welded.points, welded.faces)
+    size = max(float(np.abs(welded.points[welded.faces]).max()), np.finfo(float).tiny)
+    scaled = welded.moved(np.ldexp(welded.points, -int(np.frexp(size)[1])))
+    return scaled, saliency(scaled.points, scaled.faces)

@@ -25,6 +25,10 @@ FAIR = 1.001
 """Largest share over mean share at which polishing stops."""
 
 
+ONE_PLACE = 1e-12
+"""Extent of points, over that of the seeds, below which they are in one place."""
+
+
 def assign(points: FloatArray, seeds: FloatArray, weights: FloatArray) -> IntArray:
     """Return (p,): for each point the index of the seed whose power cell it lies in."""
     level = np.einsum("ij,ij->i", seeds, seeds) - weights
@@ -39,10 +43,13 @@ def balanced_weights(points: FloatArray, masses: FloatArray, seeds: FloatArray) 
     """Return (n,): weights whose power cells over `seeds` (n, 3) share the mass of `points` equally.
 
     masses: (p,) not negative, with a positive sum. A point is not divided, so the shares are equal up to
-    about the mass of one point for each cell.
+    about the mass of one point for each cell. Points that are all in about one place cannot be shared out: the
+    weights are zeros.
     """
     masses = masses / masses.sum()
     size = float(np.ptp(points, axis=0).max()) or 1.0
+    if size < ONE_PLACE * float(np.ptp(seeds, axis=0).max()):
+        return np.zeros(len(seeds))
     points, seeds = points / size, seeds / size
     grouped, grouped_masses = condensed(points, masses)
     weights, stiffness = _anneal(grouped, grouped_masses, seeds)

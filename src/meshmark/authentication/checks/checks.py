@@ -134,7 +134,7 @@ def check(surface: Surface, key: Key, nonce: int | None = None, payload: Expecte
     decoded &= ~_outdone(pairs, found.vertex, np.where(read.holds, read.off, np.inf), len(points))[
         found.vertex
     ]
-    plain = (np.bincount(found.vertex) == 1)[found.vertex]
+    plain = _read_one_way(swept)[found.vertex]
     return Checks(
         eligible=able,
         passed=passed,
@@ -147,13 +147,21 @@ def check(surface: Surface, key: Key, nonce: int | None = None, payload: Expecte
         symbol_bits=layout.symbol,
         step=setting.unit,
         error=setting.error,
-        log10_chance=chance_of(found, read.holds, layout),
+        log10_chance=chance_of(found, read.holds, layout, swept.unread),
         new_boundary=new_boundary,
         frame=placed.frame,
         repeated=bool(repeated.any()),
         requantised=requantised,
         speak=swept.nonce is not None or layout.pieces_only,
     )
+
+
+def _read_one_way(swept: Sweep) -> NDArray[np.bool_]:
+    """Return, for each point up to the last that is read: whether there was one way to read it."""
+    ways = np.bincount(swept.found.vertex)
+    if swept.unread is not None:
+        ways += np.bincount(swept.found.vertex[swept.unread.row], minlength=len(ways))
+    return np.asarray(ways == 1)
 
 
 def _signed(surface: Surface, swept: Sweep, key: Key, nonce: int, layout: Layout) -> int | None:

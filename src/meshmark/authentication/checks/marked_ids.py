@@ -141,7 +141,7 @@ class _Reader:
             one = self._one(found, setting, parts)
             if one is None and len(self.found) == before and swept is None:
                 swept = sweep(self.surface.points, parts, setting, self.key, nonce=None)
-                found = found if swept is None else swept.found
+                found = found if swept is None else swept.all_tries
                 one = None if swept is None else self._one(found, setting, parts)
             if one is None:
                 break

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshmark.authentication.checks.carried import Expected, carried
-from meshmark.authentication.marks.candidates import HEADER, PAYLOAD, PLACE, Candidates
+from meshmark.authentication.marks.candidates import HEADER, PAYLOAD, PLACE, Beside, Candidates
 from meshmark.authentication.marks.symbols import header_symbols, outvoted
 from meshmark.authentication.marks.words import bind, symbols_at
 from meshmark.authentication.parameters import WAYS, Layout
@@ -32,13 +32,14 @@ _MIX = np.array([0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9, 0x94D049BB133111EB], np
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Read:
     """What candidates say: symbols (c,), whether a mark holds, how far it is off, and whether it holds only if its
-    ring was not on a boundary when it was made.
+    ring was not on a boundary when it was made. reach: those that are farther off, in steps, were not read.
     """
 
     symbol: IntArray
     holds: NDArray[np.bool_]
     off: FloatArray
     new_boundary: NDArray[np.bool_]
+    reach: float
 
 
 def read_marks(
@@ -69,7 +70,7 @@ def read_marks(
     holds &= off <= window
     if nonce is None and layout.pieces_only:
         holds &= ~outvoted(found.index, symbol, layout.symbol, holds)
-    return Read(symbol=symbol, holds=holds, off=off, new_boundary=new_boundary & holds)
+    return Read(symbol=symbol, holds=holds, off=off, new_boundary=new_boundary & holds, reach=last)
 
 
 def window_of(off: FloatArray, layout: Layout) -> float:
@@ -99,13 +100,15 @@ def _read(
     return symbol, holds, new_boundary
 
 
-def chance_of(found: Candidates, holds: NDArray[np.bool_], layout: Layout) -> float:
+def chance_of(
+    found: Candidates, holds: NDArray[np.bool_], layout: Layout, more: Beside | None = None
+) -> float:
     """Bound the chance that as many marks hold by luck, times all layouts and levels (Chernoff).
 
     Points that lie alike in rings that are alike count once: their marks hold or fail together. How many are tried
-    depends on what holds, so all numbers of tries count.
+    depends on what holds, so all numbers of tries count. more: tries besides, none of which holds.
     """
-    total, nats = _against_luck(found, holds, layout)
+    total, nats = _against_luck(found, holds, layout, more)
     return min(0.0, log10(WAYS * max(total, 1)) - nats / log(10.0))
 
 
@@ -117,11 +120,16 @@ def beyond_luck(found: Candidates, holds: NDArray[np.bool_], layout: Layout) -> 
     return _against_luck(found, holds, layout)[1] > _WORTH
 
 
-def _against_luck(found: Candidates, holds: NDArray[np.bool_], layout: Layout) -> tuple[int, float]:
+def _against_luck(
+    found: Candidates, holds: NDArray[np.bool_], layout: Layout, more: Beside | None = None
+) -> tuple[int, float]:
     """Return how many different marks were tried, and the exponent (nats) of Chernoff's bound."""
-    cells = found.whole.view(np.uint64) @ _MIX
-    tries = found.words[:, 0] ^ cells
-    total, held = len(np.unique(tries)), len(np.unique(tries[holds]))
+    tries = found.words[:, 0] ^ (found.whole.view(np.uint64) @ _MIX)
+    held = len(np.unique(tries[holds]))
+    if more is not None:
+        beside = found.words[more.row, 0] ^ (more.whole.view(np.uint64) @ _MIX)
+        tries = np.concatenate([tries, beside])
+    total = len(np.unique(tries))
     luck = 2.0**-layout.check
     share = held / max(total, 1)
     if share <= luck:

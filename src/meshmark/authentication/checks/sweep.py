@@ -12,11 +12,13 @@ from meshmark.authentication.checks.ring_reading import Read, read_marks
 from meshmark.authentication.checks.setting_search import Setting, all_candidates, plain_candidates
 from meshmark.authentication.marks.candidates import (
     HEADER,
+    Beside,
     Candidates,
     beside,
     eligible,
     joined,
     level_of,
+    with_beside,
 )
 from meshmark.authentication.marks.ring_shapes import RingShapes
 from meshmark.authentication.marks.rings import Rings
@@ -48,7 +50,8 @@ _Parts = list[tuple[Rings, RingShapes]]
 class Sweep:
     """found: (c,) the candidates tried; read: what they say; nonce: the model's id, given or reported, or None.
 
-    able: (p,) points whose ring could carry a mark. rounded: the file was rounded to few digits.
+    able: (p,) points whose ring could carry a mark. rounded: the file was rounded to few digits. unread: whole
+    places that count as tries, and lie too far off for a mark to be read there.
     """
 
     found: Candidates
@@ -56,6 +59,12 @@ class Sweep:
     nonce: int | None
     able: NDArray[np.bool_]
     rounded: bool
+    unread: Beside | None = None
+
+    @property
+    def all_tries(self) -> Candidates:
+        """Return all candidates that count as tries."""
+        return self.found if self.unread is None else with_beside(self.found, self.unread)
 
 
 def sweep(
@@ -99,19 +108,25 @@ def sweep(
         if blind and identity is None:
             return None
         read = read_marks(found, key, setting.layout, identity, payload)
+    unread: Beside | None = None
     rounded = bool(read.holds.any() and np.median(read.off[read.holds]) > _ROUNDED)
     if rounded:
         held[:] = False
         held[found.vertex[read.holds & ~read.new_boundary]] = True
         again = _around(parts, able & ~vouched(parts, held))
-        first = len(found.vertex)
-        found = beside(found, again[found.vertex], _NEAR)
-        read = read_marks(found, key, setting.layout, identity, payload)
+        tries = beside(found, again[found.vertex], _NEAR)
+        off = np.abs(found.place[tries.row] - tries.whole).max(axis=1)
+        first, near = len(found.vertex), 0.0
+        while read.reach > near:  # those that are farther off are not read, and take room
+            near = 1.1 * read.reach
+            nearer = with_beside(found, tries.take(off <= near))
+            read = read_marks(nearer, key, setting.layout, identity, payload)
+        found, unread = nearer, tries.take(off > near)
         lucky = read.new_boundary & (
             np.arange(len(found.vertex)) >= first
         )  # this many tries would make holes
         read = replace(read, holds=read.holds & ~lucky, new_boundary=read.new_boundary & ~lucky)
-    return Sweep(found=found, read=read, nonce=identity, able=able, rounded=rounded)
+    return Sweep(found=found, read=read, nonce=identity, able=able, rounded=rounded, unread=unread)
 
 
 def able_rings(shape: RingShapes, setting: Setting) -> NDArray[np.bool_]:

@@ -31,19 +31,9 @@ from meshmark.coding.keyed import cell_words, unit_interval
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = [
-    "HEADER",
-    "PAYLOAD",
-    "PLACE",
-    "Candidates",
-    "as_laid_out",
-    "beside",
-    "candidates",
-    "eligible",
-    "joined",
-    "level_of",
-    "room",
-    "step_of",
-]
+    "HEADER", "PAYLOAD", "PLACE", "Beside", "Candidates", "as_laid_out", "beside", "candidates", "eligible",
+    "joined", "level_of", "room", "step_of", "with_beside",
+]  # fmt: skip
 
 HEADER, PLACE, PAYLOAD = 0, 1, 2
 """What the symbol of a mark is: a piece of the model's id, the mark's place, or a symbol of the payload."""
@@ -84,6 +74,18 @@ class Candidates:
         return Candidates(**{field.name: getattr(self, field.name)[rows] for field in fields(self)})
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Beside:
+    """Whole numbers that are tried beside the nearest ones. row: (b,) of the candidate; whole: (b, 3)."""
+
+    row: IntArray
+    whole: IntArray
+
+    def take(self, rows: NDArray[np.bool_]) -> Beside:
+        """Return these rows."""
+        return Beside(row=self.row[rows], whole=self.whole[rows])
+
+
 def joined(parts: list[Candidates]) -> Candidates:
     """Return the candidates of several lists, at least one, in one."""
     return Candidates(
@@ -99,19 +101,22 @@ def as_laid_out(found: Candidates, layout: Layout) -> Candidates:
     return replace(found, kind=np.full(len(found.kind), HEADER)) if layout.pieces_only else found
 
 
-def beside(found: Candidates, chosen: NDArray[np.bool_], least: float) -> Candidates:
-    """Return the candidates, and after them those `chosen` (c,) with the next whole numbers.
-
-    These are along all axes on which they are `least` off and more.
-    """
+def beside(found: Candidates, chosen: NDArray[np.bool_], least: float) -> Beside:
+    """Return the next whole numbers of `chosen` candidates (c,), along all axes on which they are `least` off."""
     off = found.place - found.whole
     next_ = np.where((np.abs(off) >= least) & chosen[:, None], np.sign(off), 0.0).astype(np.int8)
-    rows, whole = [np.arange(len(off))], [found.whole]
+    rows, whole = [], []
     for axes in list(product((0, 1), repeat=3))[1:]:
         some = np.flatnonzero((next_[:, np.array(axes) == 1] != 0).all(axis=1))
         rows.append(some)
         whole.append(found.whole[some] + next_[some] * np.array(axes))
-    return replace(found.take(np.concatenate(rows)), whole=np.concatenate(whole))
+    return Beside(row=np.concatenate(rows), whole=np.concatenate(whole))
+
+
+def with_beside(found: Candidates, more: Beside) -> Candidates:
+    """Return the candidates, and after them the same with the next whole numbers."""
+    rows = np.concatenate([np.arange(len(found.vertex)), more.row])
+    return replace(found.take(rows), whole=np.concatenate([found.whole, more.whole]))
 
 
 def level_of(shapes: RingShapes, unit: float) -> FloatArray:

@@ -64,7 +64,7 @@ def region_map(mesh: Mesh, found: Examination, altered: NDArray[np.bool_]) -> Re
         green_share=map_.green_share,
         blue_share=map_.blue_share,
     )
-    centres = _centres(points, found.surface.point_areas, regions, altered)
+    centres = _centres(points, found.surface.point_shares, regions, altered)
     judged = judge_regions(region_evidence(found.surface.graph, regions, found.checks, altered), centres)
     if not found.marked:
         called, chance = ("altered", 1.0) if altered.any() else ("unchecked", 0.0)
