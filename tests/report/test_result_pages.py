@@ -104,6 +104,15 @@ def test_a_recovery_says_what_was_restored_and_what_is_as_signed():
     assert "<h1>Restored where it was altered</h1>" in page
     assert "is as it was signed off" in page
     assert "Regions before the recovery" in page
+    assert "Restored from the miniature" in str(report.view)
+    assert "The miniature is sealed into the marks" in page
+    again = replace(made, restored_from="marked_copy", intact_rms_over_diagonal=7e-9, advice="Done.")
+    report = recovery_report(suspect, found, again, ORIGIN)
+    page = read(report)
+    assert "lie 7e-07&nbsp;% of the diagonal (RMS)" in page
+    assert "miniature" not in page
+    other = recovery_report(suspect, found, replace(made, restored_from="original"), ORIGIN)
+    assert (report.answer, other.answer) == ("recovered_copy", "recovered_original")
     whole = mm.recover(mesh, KEY)
     report = recovery_report(mesh, mm.authenticate(mesh, KEY), whole, ORIGIN)
     assert (report.heading, report.answer) == ("Nothing was altered", "authentic")

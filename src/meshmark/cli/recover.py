@@ -95,7 +95,7 @@ def recover(
         if picture is not None or report is not None:
             with progress("drawing"):
                 before = judge(mesh, secret, reference=reference)
-                origin = written_origin(staging, out, secret, certificate=certificate)
+                origin = written_origin(staging, out, secret, certificate=certificate, original=original)
                 _show(_Shown(mesh, before, found, origin), picture, report, staging)
     for remark in uncompressed(saved, out):
         say(f"meshmark: {remark}")

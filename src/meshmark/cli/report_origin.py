@@ -23,18 +23,25 @@ def report_origin(
     from meshmark.io import input_files
     from meshmark.report.provenance import provenance
 
-    reference = ""
-    if certificate is not None:
-        reference = f"the key and the certificate {certificate.name}"
-    if original is not None:
-        reference = f"the key and the original {original.name}"
+    reference = _reference(certificate, original)
     files = {path.name: path for path in (model, *input_files(mesh))}
     return provenance(named(model).name, files, key.fingerprint, reference)
 
 
-def written_origin(staging: Staging, out: Path, key: Key, *, certificate: Path | None = None) -> Provenance:
+def written_origin(
+    staging: Staging, out: Path, key: Key, *, certificate: Path | None = None, original: Path | None = None
+) -> Provenance:
     """Return the provenance of a report about a model that a command writes, while its files are being staged."""
     from meshmark.report.provenance import provenance
 
-    reference = "" if certificate is None else f"the key and the certificate {certificate.name}"
-    return provenance(out.name, {out.name: staging.staged(out)}, key.fingerprint, reference)
+    files = {out.name: staging.staged(out)}
+    return provenance(out.name, files, key.fingerprint, _reference(certificate, original))
+
+
+def _reference(certificate: Path | None, original: Path | None) -> str:
+    """Return what helped to read the mark, in words; empty for the key alone."""
+    named_ones = [
+        *([] if certificate is None else [f"the certificate {certificate.name}"]),
+        *([] if original is None else [f"the original {original.name}"]),
+    ]
+    return ", ".join(["the key", *named_ones]) if named_ones else ""

@@ -86,8 +86,8 @@ MEANINGS: Final = {
     "unread": Meaning(
         means=("Something of a mark may be there, but too little to be sure, or to read its id.",),
         not_means=(
-            "It is neither a yes nor a no. A larger part of the model, its certificate or its original may tell "
-            "more.",
+            "It is neither a yes nor a no. A larger part of the model, its certificate or its original may "
+            "tell more.",
         ),
     ),
     "absent": Meaning(
@@ -120,5 +120,26 @@ MEANINGS: Final = {
             "A restored model is no longer the signed one. It is not authentic in its restored parts.",
         ),
     ),
+    "recovered_copy": Meaning(
+        means=(
+            "What is coloured was restored from the marked copy, which was made again from the original; "
+            "everything else is as it was signed off.",
+        ),
+        not_means=(
+            "How well it fits the signed copy is said above; where libraries round otherwise, last digits "
+            "differ.",
+            _KEY,
+        ),
+    ),
+    "recovered_original": Meaning(
+        means=(
+            "What is coloured was restored from the unmarked original; everything else is as it was signed off.",
+        ),
+        not_means=(
+            "A restored model is no longer the signed one: its restored parts carry no marks, and are not "
+            "authentic.",
+        ),
+    ),
 }
-"""By verdict of an authentication; of an extraction: "present", "absent", or "unread"; "marked" and "recovered"."""
+"""By verdict of an authentication; of an extraction: "present", "absent", or "unread"; "marked"; "recovered" and
+what from."""

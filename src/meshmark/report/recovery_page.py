@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,13 @@ if TYPE_CHECKING:
 
 __all__ = ["recovery_report", "recovery_view", "restored_vertices"]
 
+_SOURCES: Final = {
+    "miniature": ("recovered", "the miniature"),
+    "marked_copy": ("recovered_copy", "the marked copy, made again"),
+    "original": ("recovered_original", "the original"),
+}
+"""Of `Recovery.restored_from`: the key in `MEANINGS`, and words."""
+_READ_AS_A_WHOLE = "The miniature is sealed into the marks: it is read only where it is undamaged as a whole."
 _INTACT, _RESTORED = CONDITION_COLOURS["intact"][1], CONDITION_COLOURS["moved"][1]
 
 
@@ -42,12 +49,13 @@ def recovery_view(suspect: Mesh, made: Recovery, shown: ViewSurface | None = Non
     shown: the surface of that mesh, where it has been made already.
     """
     whole = made.mesh if made.mesh is not None else suspect
+    source = made.restored_from or "miniature"
     layers: list[Layer] = [
         category_layer(
             "restored",
             "What was restored",
             restored_vertices(suspect, whole).astype(np.int64),
-            [("As it was signed off", _INTACT), ("Restored from the miniature", _RESTORED)],
+            [("As it was signed off", _INTACT), (f"Restored from {_SOURCES[source][1]}", _RESTORED)],
         )
     ]
     if whole.vertices.shape == suspect.vertices.shape:
@@ -70,6 +78,7 @@ def recovery_report(suspect: Mesh, found: Authentication, made: Recovery, origin
     nothing = not (made.vertices_moved or made.vertices_removed or made.faces_added)
     turn = level_view(suspect.vertices, stance_of(suspect))
     shown = view_surface(whole, turn=turn)
+    source = made.restored_from or "miniature"
     share = made.altered_area_fraction
     lead = (
         f"{_percent(share)} of the surface was altered and is restored; the other {_percent(1.0 - share)} "
@@ -78,13 +87,14 @@ def recovery_report(suspect: Mesh, found: Authentication, made: Recovery, origin
     )
     return Report(
         kind="Recovery",
-        answer="authentic" if nothing else "recovered",
+        answer="authentic" if nothing else _SOURCES[source][0],
         tone="good",
         heading="Nothing was altered" if nothing else "Restored where it was altered",
         lead="The model is as it was signed off." if nothing else lead,
         next=made.advice,
         facts=[
             ("Altered before", f"{found.altered_vertices:,} vertices, {_percent(share)} of the surface"),
+            *([] if nothing else [("Restored from", _SOURCES[source][1])]),
             ("Moved back", f"{made.vertices_moved:,} vertices"),
             ("Cut out", f"{made.vertices_removed:,} vertices"),
             ("Added", f"{made.faces_added:,} faces"),
@@ -95,7 +105,7 @@ def recovery_report(suspect: Mesh, found: Authentication, made: Recovery, origin
             "What was altered is what the marks of the altered model say. Its other vertices were not "
             "touched: their "
             "coordinates are those of the file, bit by bit.",
-            "The miniature is sealed into the marks: it is read only where it is undamaged as a whole.",
+            *_fits(made),
         ],
         provenance=origin,
         view=recovery_view(suspect, made, shown),
@@ -103,6 +113,18 @@ def recovery_report(suspect: Mesh, found: Authentication, made: Recovery, origin
         regions=in_order(found.regions),
         regions_title="Regions before the recovery",
     )
+
+
+def _fits(made: Recovery) -> list[str]:
+    """Return why what was restored can be believed."""
+    if made.restored_from == "miniature":
+        return [_READ_AS_A_WHOLE]
+    off = made.intact_rms_over_diagonal
+    if off is None:
+        return []
+    return [
+        f"The intact vertices lie {100 * off:.1g} % of the diagonal (RMS) from those of the copy made again."
+    ]
 
 
 def _pictures(
