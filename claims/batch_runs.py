@@ -1,14 +1,14 @@
 """What a batch costs and bears: `python -m claims.batch_runs`.
 
 [--folder psb/train] [--least 500] [--most 3000] [--limit 24] [--kills 6] [--seed 0]
-[--parts speed kills disk cluster]
+[--parts flat speed kills disk cluster]
 
 Models are unpacked into a folder of their own and marked by `meshmark batch embed`, in processes as a user starts
 them.
 
+flat     processor time and memory of the process that gives out models, for 20 and for 1,000 files that are none
 speed    two workers against one: time, and the share of it in which workers do not work; processor time of the
-         process that gives out the models over that of the single commands; its memory for a quarter of the models
-         and for all
+         process that gives out the models over that of the single commands
 kills    the run is killed by SIGKILL at random moments, or one of its workers is, and gone on with by --resume
          until it is done; then every model has one row, and every copy is that of the run without kills
 disk     the same on a file system that is full after some copies (needs the right to mount one)
@@ -24,7 +24,6 @@ import contextlib
 import json
 import os
 import random
-import shutil
 import signal
 import subprocess
 import sys
@@ -38,13 +37,14 @@ from meshmark.coding.keys import Key
 from meshmark.geometry.surface_of import surface_of
 from meshmark.io import write_mesh
 
-PARTS = ("speed", "kills", "disk", "cluster")
+PARTS = ("flat", "speed", "kills", "disk", "cluster")
 DRIVER = """
-import resource, sys, time
+import sys, time
 from meshmark.cli.main import main
+from meshmark.workers.memory import peak_mb
 if __name__ == "__main__":
     code = main(sys.argv[1:])
-    print(code, time.process_time(), resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024, file=sys.stderr)
+    print(code, time.process_time(), peak_mb(), file=sys.stderr)
 """
 ALONE = """
 import contextlib, io, sys, time
@@ -112,16 +112,11 @@ def worked(rows: list[dict[str, object]]) -> float:
 
 
 def speed(batch: Batch) -> bool:
-    (batch.home / "few").mkdir()
-    for path in sorted((batch.home / "models").iterdir())[: batch.count // 4]:
-        shutil.copy(path, batch.home / "few" / path.name)
-    few = batch.run("of few", "--workers", "1", source="few")
     one = batch.run("one", "--workers", "1")
     two = batch.run("two", "--workers", "2")
     line = [sys.executable, "-c", ALONE, *map(str, (batch.home / "models").iterdir())]
     work = float(subprocess.run(line, cwd=batch.home, capture_output=True, text=True, check=True).stdout)
     shares = [two[1] / work, one[1] / work]
-    each = (one[1] - few[1]) / (batch.count - batch.count // 4)
     idle = [
         1.0 - worked(batch.rows(out)) / (workers * ran[0])
         for out, workers, ran in (("one", 1, one), ("two", 2, two))
@@ -133,14 +128,25 @@ def speed(batch: Batch) -> bool:
         f"workers not working: {idle[0]:.1%} of the time of one, {idle[1]:.1%} of that of two, start included"
     )
     print(
-        f"giving out models: {shares[1]:.2%} of the work to one worker, {shares[0]:.2%} to two (processor time); "
-        f"{1e3 * each:.1f} ms a model, the start left out"
-    )
-    print(
-        f"its memory: {few[2]:.0f} MB for {batch.count // 4} models, {one[2]:.0f} MB for {batch.count}",
+        f"giving out models: {shares[1]:.2%} of the work to one worker, {shares[0]:.2%} to two (processor time)",
         flush=True,
     )
     return one[0] / two[0] >= TIMES and max(shares) <= SHARE and batch.same("one") and batch.same("two")
+
+
+def flat(batch: Batch) -> bool:
+    """Read files that are no models, which takes no time: what is left is what giving them out costs."""
+    found = {}
+    for count in (20, 1000):
+        folder = batch.home / f"{count} files"
+        folder.mkdir()
+        for number in range(count):
+            (folder / f"{number}.ply").write_text(f"ply\n{number}\n")
+        found[count] = batch.run(f"of {count}", "--workers", "2", source=folder.name)
+    each = (found[1000][1] - found[20][1]) / 980
+    print(f"giving out a model: {1e3 * each:.2f} ms of processor time, the start left out")
+    print(f"memory: {found[20][2]:.0f} MB for 20, {found[1000][2]:.0f} MB for 1,000", flush=True)
+    return found[1000][2] < 1.1 * found[20][2]
 
 
 def kills(batch: Batch, count: int, rng: random.Random) -> bool:
@@ -273,6 +279,7 @@ def main() -> int:
         rows = batch.rows("whole")
         print(f"{batch.count} models, {sum('error' not in row for row in rows)} marked", flush=True)
         done = {
+            "flat": lambda: flat(batch),
             "speed": lambda: speed(batch),
             "kills": lambda: kills(batch, options.kills, random.Random(options.seed)),
             "disk": lambda: disk(batch),

@@ -123,7 +123,8 @@ def _made(original: Mesh, key: Key, found: Examination, settings: _Settings) -> 
         payload=settings.payload,
         tolerance=settings.tolerance,
     )
+    goes_to = None if original.document is None else original.document.format  # most copies keep it
     try:
-        return embed_for(original, request, None).mesh
+        return embed_for(original, request, goes_to).mesh
     except CapacityError:
         return None

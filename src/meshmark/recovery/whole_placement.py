@@ -35,8 +35,8 @@ class PlacedWhole:
     """A whole model in the place of a damaged copy.
 
     points: (w, 3) of the whole, in the scene of the copy. match: (p,) the point of the whole that each point of the
-    copy is, -1 for none. off: (p,) how far each lies from it, in scene units, infinite without one. rms: of `off`
-    over intact points, over the copy's diagonal. share: of the intact points that lie in their places, 0 to 1.
+    copy is, -1 for none. moved: (p,) which points have one, but do not lie in its place. share: of the intact
+    points that do, 0 to 1; rms: how far these lie from it, over the copy's diagonal.
     """
 
     points: FloatArray
