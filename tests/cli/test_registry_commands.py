@@ -260,6 +260,19 @@ def test_trace_of_one_suspect_tells_of_it_at_the_top_as_well(cli, place):
     assert match["log10_false_accusation"] < -6
 
 
+def test_trace_writes_a_page_of_one_suspect(cli, place):
+    line = ("--key", "my.key", "--registry", "issued.db", "--report", "page.html")
+    ran = cli("trace", "bob.ply", *line, "--json")
+    told = only_object(ran.out)
+    assert told["outputs"] == {"report": "page.html"}
+    page = (place / "page.html").read_text(encoding="utf-8")
+    assert f"<h1>The copy of {told['matches'][0]['recipient']}</h1>" in page
+    assert told["matches"][0]["id"] in page
+    ran = cli("trace", "bob.ply", "found.ply", *line, "--force")
+    assert (ran.code, ran.out) == (2, "")
+    assert "--report is of one suspect, but 2 are named, expected one" in ran.err
+
+
 def test_trace_exits_with_1_where_a_suspect_names_nobody(cli, place):
     assert cli("registry", "init", "--registry", "empty.db").code == 0
     ran = cli("trace", "bob.ply", "--key", "my.key", "--registry", "empty.db")

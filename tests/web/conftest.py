@@ -1,4 +1,4 @@
-"""A headless Chromium for the tests of pages, one for all of them, and axe-core within its pages."""
+"""A headless Chromium for the tests of pages, one for each file of them, and axe-core within its pages."""
 
 from __future__ import annotations
 
@@ -16,9 +16,12 @@ FLAGS = (
 )  # fmt: skip
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
-    """Return Debian's Chromium as Playwright drives it, with WebGL in software."""
+    """Return Debian's Chromium as Playwright drives it, with WebGL in software.
+
+    For one module only: while it is there, a loop of asyncio runs, and no test can run one of its own.
+    """
     playwright = pytest.importorskip("playwright.sync_api", reason="Playwright is not installed")
     path = shutil.which("chromium")
     if path is None:

@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from meshmark.cli.model_input import read_model
-from meshmark.cli.options import AsJson, ForceKey, KeyFile, Search
+from meshmark.cli.options import AsJson, ForceKeyed, KeyFile, Search
 from meshmark.cli.output import answer, described
-from meshmark.cli.paths import naming
+from meshmark.cli.paths import naming, staged
 from meshmark.cli.progress import progress
 from meshmark.cli.registry_option import RegistryIn, open_registry
+from meshmark.cli.report_origin import report_origin
+from meshmark.errors import InputError
 
 if TYPE_CHECKING:
     from meshmark.registry.tracing import Match, Trace
@@ -37,7 +39,11 @@ def trace(
     time_limit: Annotated[
         float | None, typer.Option(metavar="SECONDS", help="Stop with a suspect after this many seconds.")
     ] = None,
-    force: ForceKey = False,
+    report: Annotated[
+        Path | None,
+        typer.Option(metavar="OUT.html", help="Also write a page of the suspect, which must be one alone."),
+    ] = None,
+    force: ForceKeyed = False,
     as_json: AsJson = False,
 ) -> int:
     """Say whose copy a model is, by the registry of copies.
@@ -50,21 +56,29 @@ def trace(
     """
     from meshmark.coding.keys import Key
 
+    if report is not None and len(suspects) != 1:
+        raise InputError(f"--report is of one suspect, but {len(suspects)} are named, expected one")
+    staging = staged([(report, ".html")], [*suspects, key], force)
     secret = Key.load(key, force=force)
     lines, told = [], []
     with open_registry(registry) as opened:
         for path in suspects:
-            mesh = read_model(path, None)
+            mesh = read_model(path, None, staging)
             from meshmark.registry.tracing import trace as find
 
             with progress(f"tracing {path.name}"), naming(path):
                 found = find(mesh, secret, opened, search=search.value, time_limit=time_limit)
+            if report is not None:
+                from meshmark.report.trace_page import write_trace_page
+
+                with progress("drawing"), staging:
+                    write_trace_page(mesh, found, report_origin(mesh, path, secret), report, staging)
             lines.append(_words(found, path))
             told.append({"suspect": str(path), **found.to_dict()})
     fields: dict[str, Any] = {"traces": told}
     if len(told) == 1:
         fields |= told[0]
-    answer("\n".join(lines), described(fields, suspects, key=secret), as_json)
+    answer("\n".join(lines), described(fields, suspects, {"report": report}, secret), as_json)
     return 0 if all(each["matches"] for each in told) else 1
 
 
