@@ -19,14 +19,16 @@ from meshmark.authentication.payload.payload import Payload, SymbolSource, encod
 from meshmark.authentication.payload.signed_totals import Whole, whole_of
 from meshmark.coding.keys import Key
 from meshmark.errors import CapacityError
-from meshmark.geometry.surface_of import surface_of_moved
+from meshmark.geometry.surface_of import surface_of, surface_of_moved
 from meshmark.io.file_precision import conform
 from meshmark.marking.embedding_result import AuthenticationMark
 from meshmark.marking.mark_request import MarkRequest
 from meshmark.marking.promises import broken_by
 from meshmark.marking.verification import authentic
 from meshmark.mesh import Mesh
-from meshmark.ownership.extraction import extract
+from meshmark.ownership.extraction import extract, find
+from meshmark.ownership.ownership_mark import OwnershipMark
+from meshmark.ownership.search.search import Search
 from meshmark.scene.distinct import as_shown, scene_of
 
 __all__ = ["Authenticated", "Base", "with_authentication"]
@@ -50,12 +52,17 @@ class Base:
     """What the layer goes onto.
 
     original: the unmarked mesh, whose file rounds positions. mesh: the same with the layer below, if there is one.
-    has_id: the layer below carries the id, so that this one need not.
+    below: the mark of the layer below, which carries the id, so that this one need not; None without one.
     """
 
     original: Mesh
     mesh: Mesh
-    has_id: bool
+    below: OwnershipMark | None
+
+    @property
+    def has_id(self) -> bool:
+        """Whether the layer below carries the id."""
+        return self.below is not None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -203,12 +210,12 @@ def _marked(base: Base, request: MarkRequest, planned: Planned, *, bound: bool) 
     surface_of_moved(
         result, planned.mesh
     )  # remembered, so that `examine` welds only what rounding has joined
+    if base.below is not None and _is_lost(result, base.below, request):
+        raise _IdLostError("the id cannot be read beside the marks of authentication")
     found = examine(as_shown(result), request.key, made=request.id)
     if bound and found.marked and found.payload is None:
         raise _UnplacedError("the marks of authentication do not tell where the model lies")
     if not authentic(found, request.id):
-        if base.has_id and found.marked and found.id is None:
-            raise _IdLostError("the id cannot be read beside the marks of authentication")
         raise _UnreadError(
             "the marks of authentication cannot be read back from the positions the file can hold"
         )
@@ -239,6 +246,20 @@ def _marked(base: Base, request: MarkRequest, planned: Planned, *, bound: bool) 
         tolerance=request.tolerance or "default",
     )
     return Authenticated(mesh=result, mark=made, remarks=remarks, carriers=carriers)
+
+
+def _is_lost(result: Mesh, below: OwnershipMark, request: MarkRequest) -> bool:
+    """Return whether the id is not read even where the lattice is known, which takes less time than reading it blind."""
+    if below.repeated_only or scene_of(result) is not None:
+        return False  # where it lies in a scene is found by `extract`
+    search = Search(
+        surface=surface_of(result),
+        key=request.key,
+        effort="plain",
+        label=below.label,
+        spacings=(below.spacing,),
+    )
+    return find(search).id != request.id
 
 
 def _payload(

@@ -208,7 +208,10 @@ def _authentication_alone(mesh: Mesh, request: MarkRequest) -> str:
 
 def _on_top(below: Owned | None, original: Mesh, request: MarkRequest) -> Embedding:
     """Return the authentication layer, on top of one with the id or alone, read back."""
-    base = Base(original=original, mesh=original if below is None else below.mesh, has_id=below is not None)
+    if below is None:
+        base = Base(original=original, mesh=original, below=None)
+    else:
+        base = Base(original=original, mesh=below.mesh, below=below.mark)
     upper = with_authentication(base, request)
     displacement = vertex_displacement(original, upper.mesh)
     if displacement.rms > BUDGETS[request.strength] * displacement.diagonal:
