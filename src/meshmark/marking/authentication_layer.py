@@ -249,7 +249,7 @@ def _marked(base: Base, request: MarkRequest, planned: Planned, *, bound: bool) 
 
 
 def _is_lost(result: Mesh, below: OwnershipMark, request: MarkRequest) -> bool:
-    """Return whether the id is not read even where the lattice is known, which takes less time than reading it blind."""
+    """Return whether the id is not read even with the lattice known, which takes less time than a blind reading."""
     if below.repeated_only or scene_of(result) is not None:
         return False  # where it lies in a scene is found by `extract`
     search = Search(
