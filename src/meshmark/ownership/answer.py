@@ -67,7 +67,7 @@ def _in_words(found: Found, mode: str, agreeing: int) -> tuple[str, str]:
         return "inconclusive", "The model has too few carriers to tell whether it is marked."
     advice = "No mark of this key was found."
     if mode == "blind":
-        advice += " Of a part or a badly damaged copy the certificate or the original tells more."
+        advice += " For a part or a badly damaged copy, try the certificate or the original."
     return "absent", advice
 
 
