@@ -13,6 +13,7 @@ import pebble
 import pytest
 
 from meshmark.errors import OutputError
+from meshmark.workers import worker_pool
 from meshmark.workers.worker_pool import Lost, WorkerPool
 
 
@@ -66,6 +67,7 @@ def test_a_pool_that_breaks_before_its_job_is_renewed(monkeypatch, broken):
         return real(pool, *arguments, **options)
 
     monkeypatch.setattr(pebble.ProcessPool, "schedule", schedule)
+    monkeypatch.setattr(worker_pool, "_PAUSE", 0.0)
     expected = nullcontext() if broken < 3 else pytest.raises(OutputError, match="no worker process")
     with expected:
         assert outcomes(["one"]) == {"one": "one"}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+import time
 from collections.abc import Callable
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from concurrent.futures.process import BrokenProcessPool
@@ -26,6 +27,8 @@ _Result = TypeVar("_Result")
 _TRIES = 3
 # Seconds between looks at pools that say nothing.
 _PATIENCE = 1.0
+# Seconds until a process that was ended is gone, and another one is started in its place.
+_PAUSE = 0.5
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,6 +98,7 @@ class WorkerPool(Generic[_Job, _Result]):
             try:
                 future = pool.schedule(self.function, args=[job], timeout=self.time_limit)
             except BrokenProcessPool:  # the process that starts workers was ended from outside
+                time.sleep(_PAUSE)
                 pool = self._renewed(pool)
             else:
                 self._busy[future] = pool, job, attempt
