@@ -24,7 +24,7 @@ distributed = pytest.importorskip("distributed")
 def address():
     """The address of a scheduler with one worker of one thread."""
     with distributed.LocalCluster(
-        n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None, protocol="tcp"
+        n_workers=1, threads_per_worker=1, processes=False, dashboard_address=":0", protocol="tcp"
     ) as cluster:
         yield cluster.scheduler_address
 

@@ -5,10 +5,15 @@ from __future__ import annotations
 import os
 import signal
 import time
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import nullcontext
 from pathlib import Path
 
+import pebble
 import pytest
 
+from meshmark.errors import OutputError
+from meshmark.workers import worker_pool
 from meshmark.workers.worker_pool import Lost, WorkerPool
 
 
@@ -48,6 +53,25 @@ def test_misfortune_harms_no_other_job(tmp_path):
     assert found.keys() == set(jobs)
     assert found["crash"] == Lost(why="killed", note="the worker was ended by SIGSEGV")
     assert [found[each] for each in (jobs[0], jobs[2], jobs[3], jobs[4])] == ["one", "two", "once", "three"]
+
+
+@pytest.mark.parametrize("broken", [1, 3])
+def test_a_pool_that_breaks_before_its_job_is_renewed(monkeypatch, broken):
+    times = []
+    real = pebble.ProcessPool.schedule
+
+    def schedule(pool, *arguments, **options):
+        times.append(pool)
+        if len(times) <= broken:
+            raise BrokenProcessPool("killed while it was started")
+        return real(pool, *arguments, **options)
+
+    monkeypatch.setattr(pebble.ProcessPool, "schedule", schedule)
+    monkeypatch.setattr(worker_pool, "_PAUSE", 0.0)
+    expected = nullcontext() if broken < 3 else pytest.raises(OutputError, match="no worker process")
+    with expected:
+        assert outcomes(["one"]) == {"one": "one"}
+    assert len(set(map(id, times))) == len(times) == max(broken, 2)
 
 
 def test_a_job_that_hangs_is_given_up():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+import time
 from collections.abc import Callable
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from concurrent.futures.process import BrokenProcessPool
@@ -11,7 +12,7 @@ from functools import partial
 from multiprocessing import get_all_start_methods, get_context
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
-from meshmark.errors import InputError
+from meshmark.errors import InputError, OutputError
 from meshmark.workers.preparation import prepare
 
 if TYPE_CHECKING:
@@ -26,6 +27,8 @@ _Result = TypeVar("_Result")
 _TRIES = 3
 # Seconds between looks at pools that say nothing.
 _PATIENCE = 1.0
+# Seconds until a process that was ended is gone, and another one is started in its place.
+_PAUSE = 0.5
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,12 +90,20 @@ class WorkerPool(Generic[_Job, _Result]):
         return len(self._busy)
 
     def submit(self, job: _Job, attempt: int = 1) -> None:
-        """Give a job to a free worker."""
+        """Give a job to a free worker; raises `OutputError` where no process can be started."""
         pool = self._free.pop()
         if pool is None or not pool.active:  # an idle worker was ended from outside
             pool = self._renewed(pool)
-        future = pool.schedule(self.function, args=[job], timeout=self.time_limit)
-        self._busy[future] = pool, job, attempt
+        for _ in range(_TRIES):
+            try:
+                future = pool.schedule(self.function, args=[job], timeout=self.time_limit)
+            except BrokenProcessPool:  # the process that starts workers was ended from outside
+                time.sleep(_PAUSE)
+                pool = self._renewed(pool)
+            else:
+                self._busy[future] = pool, job, attempt
+                return
+        raise OutputError(f"no worker process can be started, tried {_TRIES} times")
 
     def finished(self) -> list[tuple[_Job, _Result | Lost]]:
         """Wait until a job ends and return those that have; one that lost its worker is tried again first."""
