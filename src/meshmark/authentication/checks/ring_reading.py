@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import log, log10
 
 import numpy as np
@@ -32,18 +32,32 @@ _MIX = np.array([0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9, 0x94D049BB133111EB], np
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Read:
     """What candidates say: symbols (c,), whether a mark holds, how far it is off, and whether it holds only if its
-    ring was not on a boundary when it was made. reach: those that are farther off, in steps, were not read.
+    ring was not on a boundary when it was made.
     """
 
     symbol: IntArray
     holds: NDArray[np.bool_]
     off: FloatArray
     new_boundary: NDArray[np.bool_]
-    reach: float
+
+    def take(self, rows: IntArray) -> Read:
+        """Return these rows."""
+        return Read(
+            symbol=self.symbol[rows],
+            holds=self.holds[rows],
+            off=self.off[rows],
+            new_boundary=self.new_boundary[rows],
+        )
 
 
 def read_marks(
-    found: Candidates, key: Key, layout: Layout, nonce: int | None, payload: Expected | None = None
+    found: Candidates,
+    key: Key,
+    layout: Layout,
+    nonce: int | None,
+    payload: Expected | None = None,
+    *,
+    more: Beside | None = None,
 ) -> Read:
     """Return which candidates are marks; those of headers alone where the nonce (the model's id) is unknown.
 
@@ -53,8 +67,12 @@ def read_marks(
     farther off holds by chance, or was moved by less than a step. A mark beside a boundary that would hold if there
     were none is a mark beside a hole that was made.
     payload: the expected symbols, where they have been decoded: a mark that says another one does not hold.
+    more: whole places that are read after the others; they need not be made into candidates, which take room.
     """
-    off = np.abs(found.place - found.whole).max(axis=1)
+    off, of, whole = np.abs(found.place - found.whole).max(axis=1), np.arange(len(found.vertex)), found.whole
+    if more is not None:
+        off = np.concatenate([off, np.abs(found.place[more.row] - more.whole).max(axis=1)])
+        of, whole = np.concatenate([of, more.row]), np.concatenate([whole, more.whole])
     symbol = np.zeros(len(off), np.int64)
     holds, new_boundary = np.zeros(len(off), bool), np.zeros(len(off), bool)
     last, window = -1.0, _WINDOW
@@ -62,15 +80,14 @@ def read_marks(
         within = np.flatnonzero((off > last) & (off <= window))
         for block in blocks(len(within), _BLOCK):  # a large model has ten million
             rows = within[block]
-            symbol[rows], holds[rows], new_boundary[rows] = _read(
-                found.take(rows), key, layout, nonce, payload
-            )
+            some = replace(found.take(of[rows]), whole=whole[rows])
+            symbol[rows], holds[rows], new_boundary[rows] = _read(some, key, layout, nonce, payload)
         last = window
         window = window_of(off[holds], layout)
     holds &= off <= window
     if nonce is None and layout.pieces_only:
-        holds &= ~outvoted(found.index, symbol, layout.symbol, holds)
-    return Read(symbol=symbol, holds=holds, off=off, new_boundary=new_boundary & holds, reach=last)
+        holds &= ~outvoted(found.index[of], symbol, layout.symbol, holds)
+    return Read(symbol=symbol, holds=holds, off=off, new_boundary=new_boundary & holds)
 
 
 def window_of(off: FloatArray, layout: Layout) -> float:

@@ -51,7 +51,7 @@ class Sweep:
     """found: (c,) the candidates tried; read: what they say; nonce: the model's id, given or reported, or None.
 
     able: (p,) points whose ring could carry a mark. rounded: the file was rounded to few digits. unread: whole
-    places that count as tries, and lie too far off for a mark to be read there.
+    places besides that count as tries, at none of which a mark holds.
     """
 
     found: Candidates
@@ -114,18 +114,14 @@ def sweep(
         held[:] = False
         held[found.vertex[read.holds & ~read.new_boundary]] = True
         again = _around(parts, able & ~vouched(parts, held))
-        tries = beside(found, again[found.vertex], _NEAR)
-        off = np.abs(found.place[tries.row] - tries.whole).max(axis=1)
-        first, near = len(found.vertex), 0.0
-        while read.reach > near:  # those that are farther off are not read, and take room
-            near = 1.1 * read.reach
-            nearer = with_beside(found, tries.take(off <= near))
-            read = read_marks(nearer, key, setting.layout, identity, payload)
-        found, unread = nearer, tries.take(off > near)
-        lucky = read.new_boundary & (
-            np.arange(len(found.vertex)) >= first
-        )  # this many tries would make holes
-        read = replace(read, holds=read.holds & ~lucky, new_boundary=read.new_boundary & ~lucky)
+        first, tries = len(found.vertex), beside(found, again[found.vertex], _NEAR)
+        read = read_marks(found, key, setting.layout, identity, payload, more=tries)
+        holds = read.holds & ~(read.new_boundary & (np.arange(len(read.holds)) >= first))
+        # So many tries would make holes by chance.
+        read = replace(read, holds=holds, new_boundary=read.new_boundary & holds)
+        held = holds[first:]
+        found, unread = with_beside(found, tries.take(held)), tries.take(~held)
+        read = read.take(np.concatenate([np.arange(first), first + np.flatnonzero(held)]))
     return Sweep(found=found, read=read, nonce=identity, able=able, rounded=rounded, unread=unread)
 
 

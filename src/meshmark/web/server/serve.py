@@ -43,7 +43,7 @@ def serve(
     ] = None,
     workers: Annotated[int, typer.Option(min=2, max=64, help="Jobs that run at once.")] = 2,
     max_upload: Annotated[int, typer.Option(min=1, metavar="MB", help="Most megabytes of an upload.")] = 512,
-    job_memory: Annotated[int, typer.Option(min=256, metavar="MB", help="Most megabytes of a job.")] = 8192,
+    job_memory: Annotated[int, typer.Option(min=256, metavar="MB", help="Most megabytes of a job.")] = 12288,
     job_time: Annotated[int, typer.Option(min=1, metavar="SECONDS", help="Most seconds of a job.")] = 3600,
     keep: Annotated[
         int, typer.Option(min=1, metavar="SECONDS", help="How long files of a finished job are kept.")

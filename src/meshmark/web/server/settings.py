@@ -32,7 +32,7 @@ class Settings:
     workers: int = 2
     upload_bytes: int = 512 * MEGABYTE
     small_bytes: int = 8 * MEGABYTE
-    job_bytes: int = 8192 * MEGABYTE
+    job_bytes: int = 12288 * MEGABYTE
     job_seconds: float = 3600.0
     kept_seconds: float = 3600.0
     waiting: int = 64
