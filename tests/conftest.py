@@ -22,7 +22,7 @@ settings.load_profile("meshmark")
 SLOWEST = (
     "marking/test_copies.py", "ownership/test_embedding_in_points.py", "ownership/test_embedding.py",
     "research/test_every_scheme.py",
-    "web/server/test_page.py", "web/server/test_jobs.py", "marking/test_layers.py", "cli/test_demo.py",
+    "web/server/test_page_in_browser.py", "web/server/test_jobs.py", "marking/test_layers.py", "cli/test_demo.py",
     "test_docs.py", "ownership/test_damage.py",
     "research/benchmark/test_run.py", "authentication/test_as_written.py", "recovery/test_repair.py",
     "ownership/test_extraction_answers.py", "cli/test_outputs.py", "cli/test_authenticate.py",

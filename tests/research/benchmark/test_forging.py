@@ -102,7 +102,7 @@ def test_rows_say_how_many_of_how_many_tries(forger, monkeypatch):
 
 
 def test_marks_that_do_not_tell_the_id_are_read_with_that_of_the_ownership_layer():
-    small = mm.embed(Mesh(*pebble(32)), KEY, id=9, layers="both", payload="none").mesh
+    small = mm.embed(Mesh(*pebble(32)), KEY, id=9, layers="both", payload=b"few").mesh
     surface = weld(small)
     assert check(surface, KEY).nonce is None, "the marks tell the id: choose another one"
     vouching = Vouching(small, KEY)
