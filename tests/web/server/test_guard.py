@@ -57,6 +57,7 @@ def test_bound_to_a_network_a_server_goes_by_addresses_and_by_the_names_it_is_gi
         ({"origin": "http://127.0.0.1:8001"}, 403),
         ({"origin": "https://evil.example"}, 403),
         ({"origin": "null"}, 403),
+        ({"origin": "http://["}, 403),
         ({"sec-fetch-site": "same-origin"}, 201),
         ({"sec-fetch-site": "cross-site"}, 403),
         ({"sec-fetch-site": "same-site"}, 403),

@@ -108,7 +108,10 @@ def _is_own_host(host: str, settings: Settings) -> bool:
 
 def _check_origin(headers: Headers, host: str) -> None:
     origin = headers.get("origin")
-    foreign = origin is not None and urlsplit(origin).netloc.lower() != host.lower()
+    try:
+        foreign = origin is not None and urlsplit(origin).netloc.lower() != host.lower()
+    except ValueError:  # no address at all
+        foreign = True
     if foreign or headers.get("sec-fetch-site", "none") not in ("none", "same-origin"):
         raise Refusal(403, "this request comes from a page of another site")
 
