@@ -210,8 +210,9 @@ def _marked(base: Base, request: MarkRequest, planned: Planned, *, bound: bool) 
     surface_of_moved(
         result, planned.mesh
     )  # remembered, so that `examine` welds only what rounding has joined
-    if base.below is not None and _is_lost(result, base.below, request):
-        raise _IdLostError("the id cannot be read beside the marks of authentication")
+    silent = planned.plan.layout.pieces_only or not planned.plan.carries_id
+    if silent:  # then `examine` reads the layer below
+        _check_below(base, result, request)
     found = examine(as_shown(result), request.key, made=request.id)
     if bound and found.marked and found.payload is None:
         raise _UnplacedError("the marks of authentication do not tell where the model lies")
@@ -228,6 +229,8 @@ def _marked(base: Base, request: MarkRequest, planned: Planned, *, bound: bool) 
         )
     carriers = 0
     if base.has_id:
+        if not silent:
+            _check_below(base, result, request)
         below = extract(result, request.key, search="plain")
         if below.id != request.id:
             raise _IdLostError("the id cannot be read beside the marks of authentication")
@@ -248,10 +251,14 @@ def _marked(base: Base, request: MarkRequest, planned: Planned, *, bound: bool) 
     return Authenticated(mesh=result, mark=made, remarks=remarks, carriers=carriers)
 
 
-def _is_lost(result: Mesh, below: OwnershipMark, request: MarkRequest) -> bool:
-    """Return whether the id is not read even with the lattice known, which takes less time than a blind reading."""
-    if below.repeated_only or scene_of(result) is not None:
-        return False  # where it lies in a scene is found by `extract`
+def _check_below(base: Base, result: Mesh, request: MarkRequest) -> None:
+    """Raise `_IdLostError` where the id below is not read even with the lattice known.
+
+    That takes less time than a blind reading, which is done at last.
+    """
+    below = base.below
+    if below is None or below.repeated_only or scene_of(result) is not None:
+        return  # where it lies in a scene is found by `extract`
     search = Search(
         surface=surface_of(result),
         key=request.key,
@@ -259,7 +266,8 @@ def _is_lost(result: Mesh, below: OwnershipMark, request: MarkRequest) -> bool:
         label=below.label,
         spacings=(below.spacing,),
     )
-    return find(search).id != request.id
+    if find(search).id != request.id:
+        raise _IdLostError("the id cannot be read beside the marks of authentication")
 
 
 def _payload(

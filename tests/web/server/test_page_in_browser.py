@@ -179,7 +179,7 @@ def test_tabs_and_the_choice_of_light_work_by_keyboard(visit, server):
     assert page.locator("#check").is_visible()
     assert page.evaluate("document.activeElement.id") == "tab-check"
     page.keyboard.press("End")
-    assert page.url.endswith("#keys")
+    page.wait_for_url("**/#keys")
     before = page.evaluate("getComputedStyle(document.body).backgroundColor")
     page.focus("#theme")
     page.keyboard.press("Enter")
