@@ -150,7 +150,7 @@ def _first_read(base: Base, request: MarkRequest, wanted: _Wanted) -> Authentica
         refusal = CapacityError("the model has room for too few marks of authentication to tell its id")
         for chosen in islice(some, _READ):
             try:
-                return _bound_or_not(base, request, chosen)
+                return _bound_or_not(base, request, chosen, wary=lost > 0)
             except _UnreadError as error:
                 refusal, tries = error, tries + 1
                 lost = lost + 1 if isinstance(error, _IdLostError) else 0
@@ -162,12 +162,12 @@ def _first_read(base: Base, request: MarkRequest, wanted: _Wanted) -> Authentica
     raise refusal
 
 
-def _bound_or_not(base: Base, request: MarkRequest, chosen: Planned) -> Authenticated:
+def _bound_or_not(base: Base, request: MarkRequest, chosen: Planned, *, wary: bool) -> Authenticated:
     """Return marks whose symbols are bound to their places; where these are not found again, marks that are not."""
     if chosen.plan.places_itself:
         with suppress(_UnplacedError):
-            return _marked(base, request, chosen, bound=True)
-    return _marked(base, request, chosen, bound=False)
+            return _marked(base, request, chosen, bound=True, wary=wary)
+    return _marked(base, request, chosen, bound=False, wary=wary)
 
 
 class _UnreadError(CapacityError):
@@ -190,10 +190,11 @@ def _choices(planned: Planned, key: Key) -> Iterator[Planned]:
         yield replace(planned, plan=plan(surface, key, precision.error, choice, precision.style))
 
 
-def _marked(base: Base, request: MarkRequest, planned: Planned, *, bound: bool) -> Authenticated:
+def _marked(base: Base, request: MarkRequest, planned: Planned, *, bound: bool, wary: bool) -> Authenticated:
     """Return the marks of one plan; raises `CapacityError` where they do not hold.
 
-    bound: their symbols are bound to their places, which the marks of small models cannot tell.
+    bound: their symbols are bound to their places, which the marks of small models cannot tell. wary: other choices
+    took the id below away, so that it is looked for at once.
     """
     surface, precision = planned.plan.surface, planned.precision
     web = not precision.style.pull
@@ -210,8 +211,9 @@ def _marked(base: Base, request: MarkRequest, planned: Planned, *, bound: bool) 
     surface_of_moved(
         result, planned.mesh
     )  # remembered, so that `examine` welds only what rounding has joined
-    silent = planned.plan.layout.pieces_only or not planned.plan.carries_id
-    if silent:  # then `examine` reads the layer below
+    # Marks that do not tell the id have `examine` read the layer below.
+    at_once = wary or planned.plan.layout.pieces_only or not planned.plan.carries_id
+    if at_once:
         _check_below(base, result, request)
     found = examine(as_shown(result), request.key, made=request.id)
     if bound and found.marked and found.payload is None:
@@ -229,7 +231,7 @@ def _marked(base: Base, request: MarkRequest, planned: Planned, *, bound: bool) 
         )
     carriers = 0
     if base.has_id:
-        if not silent:
+        if not at_once:
             _check_below(base, result, request)
         below = extract(result, request.key, search="plain")
         if below.id != request.id:
