@@ -24,9 +24,7 @@ $(VENV)/.stamp: pyproject.toml registry-wheel/pyproject.toml research-wheel/pypr
 demo: setup  ## the whole way on one model, into demo-out/
 	$(BIN)/meshmark demo --out demo-out --force
 
-# One process more than there are cores: tests of servers, batches and pages wait for other processes.
-test: export PYTEST_XDIST_AUTO_NUM_WORKERS ?= $(shell expr $$(getconf _NPROCESSORS_ONLN) + 1)
-test: setup  ## all tests, in a process on each core and one more (four at most)
+test: setup  ## all tests, in a process on each core (four at most)
 	$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist loadfile --no-loadscope-reorder
 
 check: setup  ## style and types

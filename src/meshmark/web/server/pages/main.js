@@ -19,8 +19,8 @@ async function begin() {
   startKeys();
   startRegistry();
   startTabs((name) => { if (name === "registry") loadRegistry().catch(broken); });
-  document.querySelector(".tabs").hidden = false;
   await loadKeys();
+  document.querySelector(".tabs").hidden = false;
   document.body.dataset.state = "ready";
 }
 
