@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-import typer
-
 from meshmark.cli.batch_commands import batch_authenticate, batch_embed, batch_extract, batch_trace
+from meshmark.cli.command_group import command_group
 
 __all__ = ["BATCH_COMMANDS", "batch"]
 
@@ -18,15 +17,10 @@ BATCH_COMMANDS: dict[str, Callable[..., int]] = {
 }
 """In the order in which `meshmark batch --help` lists them."""
 
-batch = typer.Typer(
-    name="batch",
-    help="Mark and read many models.\n\n"
+batch = command_group(
+    "batch",
+    "Mark and read many models.\n\n"
     "Each model is worked on by a process of its own, within limits of time and memory: one that crashes or hangs "
     "is one line with an error. What was interrupted, at whatever moment, goes on with --resume.",
-    add_completion=False,
-    rich_markup_mode=None,
-    pretty_exceptions_enable=False,
-    no_args_is_help=False,
+    BATCH_COMMANDS,
 )
-for _name, _function in BATCH_COMMANDS.items():
-    batch.command(_name)(_function)

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-import typer
-
+from meshmark.cli.command_group import command_group
 from meshmark.cli.registry_exchange import export_registry, import_registry
 from meshmark.cli.registry_issue import issue_copies
 from meshmark.cli.registry_prove import prove_copy, verify_proof
@@ -25,15 +24,10 @@ REGISTRY_COMMANDS: dict[str, Callable[..., int]] = {
 }
 """In the order in which `meshmark registry --help` lists them."""
 
-registry = typer.Typer(
-    name="registry",
-    help="Keep who got which copy.\n\n"
+registry = command_group(
+    "registry",
+    "Keep who got which copy.\n\n"
     "A registry is a database of originals and of the marked copies that were made of them: an SQLite file, or "
     "PostgreSQL. It never holds a key.",
-    add_completion=False,
-    rich_markup_mode=None,
-    pretty_exceptions_enable=False,
-    no_args_is_help=False,
+    REGISTRY_COMMANDS,
 )
-for _name, _function in REGISTRY_COMMANDS.items():
-    registry.command(_name)(_function)
