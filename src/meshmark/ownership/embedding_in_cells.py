@@ -122,7 +122,7 @@ def _toughest(task: EmbeddingTask, shaping: Shaping) -> int:
         if shaping.rms(step) > BUDGET_SHARE * task.budget:
             return -1.0, 0.0
         borne = shaping.borne(step) / task.diagonal
-        return min(borne, TYPICAL_NOISE), shaping.told(step, TYPICAL_NOISE * task.diagonal)
+        return min(borne, TYPICAL_NOISE), shaping.expected_cosine(step, TYPICAL_NOISE * task.diagonal)
 
     # Loudness is about proportional to the step.
     middle = float(STEPS[len(STEPS) // 2])

@@ -18,7 +18,7 @@ __all__ = ["likeliest_id"]
 # Where ids are more than this they are first tried on a few marks, of which some must hold. They are those nearest
 # to whole places, most of which are marks.
 _MANY, _FIRST, _HOLD = 4096, 4, 2
-# The rest is tried on so many marks that this number of pairs is tried, and the best few ids on a sample of all.
+# The rest is tried on as many marks as make this number of pairs, and the best few ids on a sample of all.
 _PAIRS, _LEAST, _MOST, _BEST, _SAMPLE = 60_000, 16, 200, 8, 600
 
 

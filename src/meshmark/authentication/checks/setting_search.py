@@ -38,8 +38,8 @@ __all__ = ["Setting", "all_candidates", "likeliest_setting", "plain_candidates"]
 _SAMPLE, _SAMPLE_BLIND = 600, 2500
 # A ring this near (in levels) to where the level changes, or may change, is tried on both sides.
 _LEVEL_DOUBT = 0.05
-# Steps that are tried first, of each style: for this error over the diagonal, and so many levels from there: from a
-# little below the finest that models get to eight times that; and those for a grid on the longest side, which is
+# Steps that are tried first, of each style: for this error over the diagonal, and this number of levels up, from
+# a little below the finest that models get to eight times that; and those for a grid on the longest side, which is
 # 0.58 to 1 diagonals long. What they report is taken where its chance is below this, and the doubt about the step
 # (levels) at most that.
 _LIKELY: tuple[tuple[Style, float, range], ...] = (

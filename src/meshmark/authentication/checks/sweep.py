@@ -38,8 +38,8 @@ _MARGIN = 1.1
 _ROUNDED, _NEAR = 0.03, 0.15
 # Marks beside those that tell the id on which each likely one is tried.
 _SAMPLE = 600
-# One in so many of these tells most of the wrong ids: those that have less than half as many marks as the best one,
-# by this number, which may hold by luck.
+# One in this number of these tells most of the wrong ids: those that have less than half as many marks as the best
+# one, by this number, which may hold by luck.
 _SCREENED, _BY_LUCK = 6, 3
 # Rings whose candidates are made at once: a large model's would take gigabytes meanwhile.
 _BLOCK = 1 << 16

@@ -211,7 +211,7 @@ def _trial(marked: Marked, shape: _Shape, name: str, strength: float) -> Trial |
         relief=shape.relief(marked, cells),
     )
     targets = np.where(seen.keys.pilot, 0.0, 1.0 - 2.0 * marked.bits[seen.keys.code_index])
-    told = targets != 0.0
-    if np.mean(np.cos(corrected_phase(seen)[told]) * targets[told] < 0.0) > LOST:
+    carries_bit = targets != 0.0
+    if np.mean(np.cos(corrected_phase(seen)[carries_bit]) * targets[carries_bit] < 0.0) > LOST:
         return None
     return Trial(attack=name, strength=strength, seen=seen, targets=targets)
