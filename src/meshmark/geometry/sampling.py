@@ -12,7 +12,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 import scipy.sparse as sp
 
-from meshmark.geometry.areas import area_vectors
+from meshmark.geometry.areas import area_vectors, face_lengths
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["Sampler", "Samples", "gathered", "plan_samples"]
@@ -148,13 +148,18 @@ def _numbered(names: IntArray, count: int) -> IntArray:
     return np.asarray((np.cumsum(used, dtype=np.int32) - 1)[names], np.int64)
 
 
-def plan_samples(points: FloatArray, faces: IntArray, longest: float) -> Sampler:
-    """Choose samples so that, up to a limit on their number, no piece is longer than `longest` from end to end."""
-    corners = np.stack([points[faces[:, i]] for i in range(3)])
+def plan_samples(
+    points: FloatArray, faces: IntArray, longest: float, lengths: FloatArray | None = None
+) -> Sampler:
+    """Choose samples so that, up to a limit on their number, no piece is longer than `longest` from end to end.
+
+    lengths: (m,) `face_lengths` of the faces in the unit of the points, where they are known already.
+    """
+    large = (face_lengths(points, faces) if lengths is None else lengths) > longest
+    corners = np.stack([points[faces[large, i]] for i in range(3)])
     ways = np.roll(corners, -1, axis=0) - corners
     edge = np.sqrt(np.einsum("imj,imj->im", ways, ways))
-    large = edge.max(axis=0) > longest
-    owner, weights, share = _split(ways[:, large], edge[:, large], longest)
+    owner, weights, share = _split(ways, edge, longest)
     return Sampler(
         faces=faces,
         count=len(points),

@@ -11,12 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from meshmark.geometry.adjacency import unique_edges
 from meshmark.geometry.areas import area_vectors, sum_at_points
-from meshmark.geometry.sampling import Samples
-from meshmark.geometry.scale_space import random_walk
+from meshmark.geometry.connectivity import Connectivity
 from meshmark.mesh import FloatArray, IntArray
-from meshmark.ownership.carriers.cells import Cells, cell_gradient
+from meshmark.ownership.carriers.cells import Cells, gradient_pairs
 
 __all__ = ["Relief", "measure_relief"]
 
@@ -38,18 +36,28 @@ class Relief:
         return Relief(self.bending[index], self.grain[index])
 
 
-def measure_relief(points: FloatArray, faces: IntArray, cells: Cells) -> Relief:
+def measure_relief(points: FloatArray, joined: Connectivity, cells: Cells) -> Relief:
     """Measure points (p, 3), in lattice coordinates, around `cells` that were read off them."""
-    vectors = sum_at_points(area_vectors(points, faces) / 3.0, faces, len(points))
+    vectors = sum_at_points(area_vectors(points, joined.faces) / 3.0, joined.faces, len(points))
     areas = np.sqrt(np.einsum("ij,ij->i", vectors, vectors))
-    walk = random_walk(points, unique_edges(faces))
-    first = walk @ points - points
-    flux = np.stack([np.einsum("ij,ij->i", move, vectors) for move in (first, walk @ first - first)], axis=1)
-    gradient = cell_gradient(Samples(positions=points, vectors=vectors, areas=areas), cells)
-    bending = np.asarray(gradient @ flux)
-    weight = abs(gradient)
-    height = np.divide(flux[:, 0], areas, out=np.zeros(len(areas)), where=areas > 0.0)
-    around = np.maximum(weight @ areas, np.finfo(float).tiny)
-    rough = np.sqrt(weight @ (areas * height**2) / around)
-    spread = np.sqrt(gradient.power(2) @ areas**2)
-    return Relief(bending, np.asarray(spread * rough))
+    first = joined.walk @ points - points
+    flux, again = (np.einsum("ij,ij->i", move, vectors) for move in (first, joined.walk @ first - first))
+    height = np.divide(flux, areas, out=np.zeros(len(areas)), where=areas > 0.0)
+    sums = np.zeros((5, len(cells.nodes)))
+    weighed = areas * height**2
+    for row, point, gradient in gradient_pairs(points, cells):
+        size = np.abs(gradient)
+        for total, terms in zip(
+            sums,
+            (
+                gradient * flux.take(point),
+                gradient * again.take(point),
+                size * areas.take(point),
+                size * weighed.take(point),
+                (size * areas.take(point)) ** 2,
+            ),
+            strict=True,
+        ):
+            total += np.bincount(row, terms, len(total))
+    rough = np.sqrt(sums[3] / np.maximum(sums[2], np.finfo(float).tiny))
+    return Relief(sums[:2].T.copy(), np.sqrt(sums[4]) * rough)

@@ -32,11 +32,12 @@ def readings_as_it_stands(search: Search) -> Iterator[Reading]:
     surface = search.surface
     frame = surface.frame
     canonical = frame.to_canonical(surface.points)
+    lengths = surface.face_lengths / frame.scale
     rich = 0
     labels = search.labels(surface.invariants)
     for spacing in search.spacings_for(frame.area):
         lattices = [search.lattice(spacing, label) for label in labels]
-        samples = plan_samples(canonical, surface.faces, LONGEST_SAMPLE * spacing)(canonical)
+        samples = plan_samples(canonical, surface.faces, LONGEST_SAMPLE * spacing, lengths)(canonical)
         fewest = 0
         others = frame_alternatives(frame, search.wide, np.inf if search.wide else SURELY_SKEW)
         for lattice, other in product(lattices, others):

@@ -53,6 +53,7 @@ class Shapes:
 
     def __init__(self, surface: Surface, fixed: Frame | None = None) -> None:
         self._faces, self._fixed = surface.faces, fixed
+        self._joined = surface.connectivity
         self._frames: WeakKeyDictionary[Shape, Frame] = WeakKeyDictionary()
         self._invariants: WeakKeyDictionary[Shape, FloatArray] = WeakKeyDictionary()
         self._samples: WeakKeyDictionary[Shape, dict[float, Samples]] = WeakKeyDictionary()
@@ -123,7 +124,7 @@ class Shapes:
         )
         points = restoration.between(restoration.middle)
         placed = self._placed(first, points, self._pose(first, turned))
-        relief = measure_relief(lattice.coordinates(placed), self._faces, cells)
+        relief = measure_relief(lattice.coordinates(placed), self._joined, cells)
         gradient = np.hstack([pose_gradient(cells, lattice), change])
         return Response(Measurement.of(lattice, cells, relief), gradient)
 
@@ -135,7 +136,7 @@ class Shapes:
         pose = self._pose(shape, hypothesis.turned).then(correction[:POSE_SIZE])
         cells = read_cells(self.samples(shape, lattice.spacing), lattice, pose)
         placed = self._placed(shape, shape.points, pose)
-        relief = measure_relief(lattice.coordinates(placed), self._faces, cells)
+        relief = measure_relief(lattice.coordinates(placed), self._joined, cells)
         return Response(Measurement.of(lattice, cells, relief), pose_gradient(cells, lattice))
 
     def _placed(self, framed: Shape, points: FloatArray, pose: Pose) -> FloatArray:

@@ -133,7 +133,7 @@ class _Shape:
     """A restoration of an attacked model: how far towards its other shapes, and in which pose."""
 
     def __init__(self, surface: Surface, restoration: Restoration, off: FloatArray) -> None:
-        self._faces = surface.faces
+        self._faces, self._joined = surface.faces, surface.connectivity
         first, *others = (shape.points for shape in restoration.shapes)
         self._first, self._ways = first, [other - first for other in others]
         self._expected = np.concatenate([POSE_EXPECTED, restoration.expected])
@@ -166,7 +166,7 @@ class _Shape:
         """Measure the relief around the cells."""
         canonical = marked.frame.to_canonical(self._points())
         placed = self._pose.scale * canonical @ self._pose.turn + self._pose.shift
-        return measure_relief(marked.lattice.coordinates(placed), self._faces, cells)
+        return measure_relief(marked.lattice.coordinates(placed), self._joined, cells)
 
     def _points(self) -> FloatArray:
         return self._first + sum(
