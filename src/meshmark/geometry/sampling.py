@@ -15,7 +15,7 @@ import scipy.sparse as sp
 from meshmark.geometry.areas import area_vectors, face_lengths
 from meshmark.mesh import FloatArray, IntArray
 
-__all__ = ["Sampler", "Samples", "gathered", "plan_samples"]
+__all__ = ["Sampler", "SamplerPlans", "Samples", "gathered", "plan_samples"]
 
 # At most: pieces that a face is split into each way, and, about, samples of all faces together. Huge or very
 # spiky surfaces cannot exhaust memory; the window then sees a coarser sum.
@@ -108,6 +108,26 @@ class Sampler:
             ),
             shape=(self.count + len(self.split_face), self.count),
         )
+
+
+class SamplerPlans:
+    """Samplers of one mesh for several lengths of the longest piece; one and the same where no face is split.
+
+    lengths: (m,) `face_lengths` of the faces (m, 3).
+    """
+
+    def __init__(self, faces: IntArray, lengths: FloatArray) -> None:
+        self._faces, self._lengths = faces, lengths
+        self._longest = float(lengths.max(initial=0.0))
+        self._whole: Sampler | None = None
+
+    def plan(self, points: FloatArray, longest: float) -> Sampler:
+        """Return what `plan_samples` does for points (p, 3) of these lengths."""
+        if self._longest > longest:
+            return plan_samples(points, self._faces, longest, self._lengths)
+        if self._whole is None:
+            self._whole = plan_samples(points, self._faces, longest, self._lengths)
+        return self._whole
 
 
 def gathered(samples: Samples, size: float) -> Samples:

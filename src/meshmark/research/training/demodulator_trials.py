@@ -27,7 +27,7 @@ from meshmark.ownership.carriers.lattice import CellKeys, Lattice
 from meshmark.ownership.carriers.nodes import find_nodes
 from meshmark.ownership.carriers.pose import POSE_SIZE, Pose, pose_gradient
 from meshmark.ownership.carriers.quantisation import bit_phase, lock_score
-from meshmark.ownership.carriers.relief import Relief, measure_relief
+from meshmark.ownership.carriers.relief import Relief, Umbrellas, measure_relief
 from meshmark.ownership.embedding import embed
 from meshmark.ownership.observation import Observation
 from meshmark.ownership.parameters import CARRIER_READABLE, LONGEST_SAMPLE
@@ -165,8 +165,8 @@ class _Shape:
     def relief(self, marked: Marked, cells: Cells) -> Relief:
         """Measure the relief around the cells."""
         canonical = marked.frame.to_canonical(self._points())
-        placed = self._pose.scale * canonical @ self._pose.turn + self._pose.shift
-        return measure_relief(marked.lattice.coordinates(placed), self._joined, cells)
+        placed = marked.lattice.coordinates(self._pose(canonical))
+        return measure_relief(placed, Umbrellas.of(placed, self._joined), cells)
 
     def _points(self) -> FloatArray:
         return self._first + sum(
