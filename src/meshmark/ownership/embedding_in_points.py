@@ -98,7 +98,7 @@ def _choices(shaping: PointShaping, budget: float) -> Iterator[tuple[float, Choi
 
 
 def _worth(choice: Choice, bits: float) -> float:
-    """Return how much noise a mark bears that tells so many bits, in units that only compare choices."""
+    """Return how much noise a mark of `bits` code bits bears, in units that only compare choices."""
     return WORTH[choice.mode] * noise_borne(choice.step, bits)
 
 

@@ -14,7 +14,7 @@ _NEEDED, _REDUNDANCY = 85, 0.5
 
 
 def noise_borne(step: float, bits: float) -> float:
-    """Return how much noise a mark bears whose step is this and that tells so many code bits.
+    """Return how much noise a mark of this step and this number of code bits bears.
 
     In units that only compare marks of one surface, in cells or at points.
     """
