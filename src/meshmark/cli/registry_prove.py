@@ -150,16 +150,12 @@ def _pictures(path: Path, row: Copy) -> dict[str, bytes]:
 def _picture(path: Path, caption: str) -> bytes:
     import tempfile
 
-    from meshmark.geometry.surface_of import surface_of
-    from meshmark.report.demo_picture import vertex_colours
-    from meshmark.report.picture import Panel, panels
+    from meshmark.report.own_colours import own_panel
+    from meshmark.report.picture import panels
 
     mesh = read_model(path, None)
-    surface, own = surface_of(mesh), vertex_colours(mesh)
-    colours = None if own is None else own[surface.vertex_of_point]
-    panel = Panel(caption=caption, points=surface.points, faces=surface.faces, colours=colours)
     with tempfile.TemporaryDirectory() as folder:
-        panels((panel,), Path(folder) / "picture.png", size=_SIZE)
+        panels((own_panel(mesh, caption),), Path(folder) / "picture.png", size=_SIZE)
         return (Path(folder) / "picture.png").read_bytes()
 
 
