@@ -43,7 +43,8 @@ gallery: setup  ## make the pictures of docs/gallery.md and docs/design.md anew
 	$(BIN)/python tools/make_design_pictures.py
 
 site: setup  ## a web site of the documents, into site-out/; a link that leads nowhere fails
-	@$(BIN)/uv pip install --quiet --python $(BIN)/python -c constraints.txt --group site || $(PIP) -c constraints.txt --group site
+	@$(BIN)/uv pip install --quiet --python $(BIN)/python -c constraints.txt --group site || \
+	{ $(PIP) "pip>=25.1" && $(PIP) -c constraints.txt --group site; }
 	$(BIN)/python tools/make_site.py
 
 smoke: setup  ## the smallest benchmark, and the facts that must hold in its table

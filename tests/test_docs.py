@@ -126,6 +126,14 @@ def test_the_story_of_a_leak_prints_what_the_page_shows(short_search, tmp_path, 
         assert masked.sub("#", printed) == masked.sub("#", shown), command
 
 
+def test_a_lost_certificate_is_that_of_the_original_marked_again(tmp_path):
+    """As docs/keys.md says: the same original, key, id and options."""
+    for name in ("lost", "again"):
+        made = mm.embed(mm.Mesh(*pebble(30)), mm.Key(bytes(32)), id=5, layers="ownership")
+        made.certificate.save(tmp_path / name)
+    assert (tmp_path / "lost").read_bytes() == (tmp_path / "again").read_bytes()
+
+
 @pytest.mark.parametrize(
     ("shown", "printed", "same"),
     [

@@ -16,7 +16,7 @@ from pathlib import Path
 import meshmark as mm
 from meshmark.data import hare_ply
 
-HEAD = "| marked as | in Blender | exported as | id, with the key alone | `authenticate` |\n|---|---|---|---|---|"
+HEAD = "| marked as | in Blender | exported as | id | `authenticate` |\n|---|---|---|---|---|"
 ID = 0x0123456789ABCDEF
 READ = {"ply": "bpy.ops.wm.ply_import", "obj": "bpy.ops.wm.obj_import", "stl": "bpy.ops.wm.stl_import"}
 WRITE = {"ply": "bpy.ops.wm.ply_export", "obj": "bpy.ops.wm.obj_export", "stl": "bpy.ops.wm.stl_export"}

@@ -105,10 +105,10 @@ SCENES = (
     ),
     Scene(
         name="knot",
-        title="A smooth shape",
-        alt="A knotted tube: original, marked, and change of shading",
-        words="A smooth surface hides little, so the mark is weak where it would be seen.",
-        commands=("embed knot.glb knot_marked.glb --key my.key --id 00000000000c0ffe --picture knot.png",),
+        title="A model with a texture",
+        alt="A knotted rope with stripes: original, marked, and change of shading",
+        words="A save keeps materials and texture coordinates; a smooth surface hides little, so it moves less.",
+        commands=("embed knot.obj knot_marked.obj --key my.key --id 00000000000c0ffe --picture knot.png",),
     ),
     Scene(
         name="lowpoly",
@@ -123,27 +123,39 @@ SCENES = (
 )  # fmt: skip
 
 
-def knot(along: int = 700, around: int = 28) -> mm.Mesh:
-    """Return a tube around a trefoil knot, a little lopsided so that its frame is well defined."""
+def write_knot(along: int = 700, around: int = 28) -> None:
+    """Write knot.obj, its materials and its image: a tube around a trefoil knot that wears stripes."""
     t = 2.0 * np.pi * np.arange(along) / along
-    middle = np.stack(
-        [np.sin(t) + 2.0 * np.sin(2.0 * t), np.cos(t) - 2.0 * np.cos(2.0 * t), -np.sin(3.0 * t)], 1
-    )
-    middle *= [1.0, 1.15, 0.9]
-    ahead = np.roll(middle, -1, axis=0) - np.roll(middle, 1, axis=0)
+    middle = [
+        np.sin(t) + 2.0 * np.sin(2.0 * t),
+        1.15 * (np.cos(t) - 2.0 * np.cos(2.0 * t)),
+        -0.9 * np.sin(3.0 * t),
+    ]
+    way = np.stack(middle, axis=1)
+    ahead = np.roll(way, -1, axis=0) - np.roll(way, 1, axis=0)
     ahead /= np.linalg.norm(ahead, axis=1)[:, None]
-    side = np.cross(ahead, middle + np.array([0.0, 0.0, 9.0]))
+    side = np.cross(ahead, way + np.array([0.0, 0.0, 9.0]))
     side /= np.linalg.norm(side, axis=1)[:, None]
     up = np.cross(ahead, side)
     turn = 2.0 * np.pi * np.arange(around) / around
     radius = 0.5 + 0.12 * np.sin(t + 0.7)
     ring = np.cos(turn)[None, :, None] * side[:, None] + np.sin(turn)[None, :, None] * up[:, None]
-    points = (middle[:, None] + radius[:, None, None] * ring).reshape(-1, 3)
-    here = np.arange(along * around).reshape(along, around)
-    right, below = np.roll(here, -1, axis=1), np.roll(here, -1, axis=0)
-    corner = np.roll(right, -1, axis=0)
-    sides = [np.stack([here, right, below], -1), np.stack([right, corner, below], -1)]
-    return mm.Mesh(points, np.concatenate([each.reshape(-1, 3) for each in sides]))
+    points = (way[:, None] + radius[:, None, None] * ring).reshape(-1, 3)
+    lines = ["mtllib knot.mtl", *(f"v {x:.7f} {y:.7f} {z:.7f}" for x, y, z in points)]
+    lines += [
+        f"vt {30 * i / along:.6f} {j / around:.6f}" for i in range(along + 1) for j in range(around + 1)
+    ]
+    lines.append("usemtl rope")
+    for i, j in np.ndindex(along, around):
+        corners = ((i, j), (i, j + 1), (i + 1, j + 1), (i + 1, j))
+        named = (f"{p % along * around + q % around + 1}/{p * (around + 1) + q + 1}" for p, q in corners)
+        lines.append("f " + " ".join(named))
+    Path("knot.obj").write_text("\n".join([*lines, ""]))
+    Path("knot.mtl").write_text("newmtl rope\nKd 1 1 1\nmap_Kd rope.png\n")
+    column, row = np.meshgrid(np.arange(256), np.arange(256))
+    stripe = ((column + row) // 64) % 4  # at a slant, and closed over both sides of the image
+    colours = np.array([[214, 90, 49], [244, 226, 198], [38, 84, 124], [244, 226, 198]], np.uint8)
+    Image.fromarray(colours[stripe]).save("rope.png")
 
 
 def stone(count: int = 302) -> mm.Mesh:
@@ -187,7 +199,7 @@ def main() -> None:
     parts = [HEAD]
     with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
         Path("hare.ply").write_bytes(hare_ply())
-        mm.write_mesh(knot(), "knot.glb")
+        write_knot()
         mm.write_mesh(stone(), "stone.obj")
         mm.Key(bytes(32)).save("my.key")
         for scene in SCENES:
