@@ -57,7 +57,7 @@ def cells(mesh: mm.Mesh, key: mm.Key) -> None:
     keys = lattice.keys(nodes)
     kind = np.where(keys.pilot, 2, Codec(key).encode(ID)[keys.code_index])
     carry = Panel(
-        caption="what each carries: bits of the word 0 and 1, pilots grey",
+        caption="what each carries: 0 blue, 1 orange, pilots grey",
         points=points,
         faces=faces,
         colours=BITS[kind],
