@@ -67,6 +67,17 @@ def test_an_id_of_other_bits_than_asked_for_is_refused(identity: int, bits: int,
         requested_id(identity, bits)
 
 
+@pytest.mark.parametrize(
+    ("text", "bits", "why"),
+    [("0" * 16, 32, "one of 64 bits, expected 8 "), ("0" * 8, 64, "one of 32 bits, expected 16 "),
+     ("0" * 8, 0, "expected none with 0 bits")],
+)  # fmt: skip
+def test_a_text_of_other_bits_than_asked_for_is_refused(text: str, bits: int, why: str) -> None:
+    assert bits_of(parse_id(text, 4 * len(text))) == 4 * len(text)
+    with pytest.raises(InputError, match=why):
+        parse_id(text, bits)
+
+
 def test_an_id_is_drawn_of_as_many_bits_as_asked_for() -> None:
     assert [bits_of(requested_id(None, bits)) for bits in (64, 32, 0)] == [64, 32, 0]
 

@@ -83,7 +83,7 @@ def _line(command: BatchCommand, item: Item, digest: str | None) -> tuple[list[s
         place.parent.mkdir(parents=True, exist_ok=True)
     secret = Key.load(command.key, force=True)
     bits = int(dict(pairwise(command.options)).get("--bits", ID_BITS))
-    drawn = batch_id(secret, item.name, digest or "", bits) if item.id is None else parse_id(item.id)
+    drawn = batch_id(secret, item.name, digest or "", bits) if item.id is None else parse_id(item.id, bits)
     number = requested_id(drawn, bits)
     words = [str(place), *words, *(["--id", format_id(number)] if bits else [])]
     if command.certificates:

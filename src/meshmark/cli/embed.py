@@ -133,7 +133,8 @@ def embed(
     carried = payload if payload in (None, "miniature", "none") else Path(str(payload))
     inputs = [model, key, carried if isinstance(carried, Path) else None]
     staging = staged([(out, None), (certificate, None), (picture, ".png"), (report, ".html")], inputs, force)
-    number, length = None if identity is None else parse_id(identity), int(bits)
+    length = int(bits)
+    number = None if identity is None else parse_id(identity, length)
     if registry and not length:
         raise InputError("a registry tells copies by their ids, expected --bits 64 or 32 with --registry")
     if recipient is not None and not registry:

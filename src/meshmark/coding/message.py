@@ -37,14 +37,21 @@ PRESENCE: Final = 1 << 97
 _HEX = re.compile(r"[0-9a-fA-F]{8}(?:[0-9a-fA-F]{8})?")
 
 
-def parse_id(text: str) -> int:
-    """Return the id of 16 hexadecimal digits, or, of 32 bits, of 8; raises `InputError` for anything else."""
+def parse_id(text: str, bits: int | None = None) -> int:
+    """Return the id of 16 hexadecimal digits, or, of 32 bits, of 8.
+
+    bits: how many it has to have, 64, 32, or 0, of which there is none; None: 64 or 32. Raises `InputError` for
+    anything else.
+    """
     if not _HEX.fullmatch(text):
         raise InputError(
             f"the id {text!r} is not valid, expected 16 hexadecimal digits, or 8 of an id of 32 bits"
         )
-    number = int(text, 16)
-    return number if len(text) == ID_BITS // 4 else short_id(number)
+    own = 4 * len(text)
+    if bits is not None and own != bits:
+        expected = f"{bits // 4} hexadecimal digits" if bits else "none with 0 bits"
+        raise InputError(f"the id {text!r} is one of {own} bits, expected {expected}")
+    return int(text, 16) if own == ID_BITS else short_id(int(text, 16))
 
 
 def format_id(identity: int) -> str:
