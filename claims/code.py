@@ -17,7 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import norm
 
-from meshmark.coding.codec import CHECK_WORD_LIMIT, CHECKS, LENGTH, PATHS, log10_chance
+from meshmark.coding.codec import CHECK_WORD_LIMIT
+from meshmark.coding.keyed_code import CHECKS, LENGTH, PATHS, log10_chance
 from meshmark.coding.list_decoder import ListDecoder
 from meshmark.coding.message import ID_BITS
 from meshmark.coding.polar import polar_code

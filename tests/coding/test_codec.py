@@ -8,8 +8,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from meshmark.coding.codec import CHECK_WORD_LIMIT, Codec, log10_chance
+from meshmark.coding.codec import CHECK_WORD_LIMIT, Codec
+from meshmark.coding.keyed_code import log10_chance
 from meshmark.coding.keys import Key
+from meshmark.coding.message import PRESENCE, short_id
 from meshmark.errors import InputError
 from tests.counting import some
 
@@ -17,6 +19,7 @@ KEY = Key(bytes(range(32)))
 CODEC = Codec(KEY)
 OTHER = Codec(Key(bytes(32)))
 CODE_DIGEST = "a1d97940d9562a66f8f9f01964b9f2daba6d12d8cab4aa08095bcfc271034776"
+FEWER_DIGEST = "46d6925aedcabce4318f87c22c0c5a1b7a580d1c43d8a2f250a1919484e3505f"
 IDS = st.integers(0, 2**64 - 1)
 
 
@@ -165,10 +168,55 @@ def test_words_are_the_code_bits_of_ids() -> None:
             CODEC.decode_pair(np.zeros(CODEC.n), wrong)
 
 
+def test_a_word_of_32_bits_takes_fewer_carriers_and_is_never_one_of_64() -> None:
+    rng = np.random.default_rng(32)
+    ids = [short_id(int(rng.integers(2**32))) for _ in range(20)]
+    seen = [observe(identity, 70, 0.0, rng) for identity in ids]
+    assert [CODEC.decode_short(llr, -7.0).id for llr in seen] == ids
+    assert [CODEC.decode(llr, -3.0).id for llr in seen] == [None] * len(ids)
+    many = [observe(identity, 700, 0.1, rng) for identity in ids]
+    assert [CODEC.decode_short(llr, -7.0).id for llr in many] == ids
+    assert [CODEC.decode(llr, -3.0).id for llr in many] == [None] * len(ids)
+    long = [observe(int(rng.integers(2**63)), 700, 0.1, rng) for _ in range(20)]
+    assert [CODEC.decode_short(llr, -3.0).id for llr in long] == [None] * len(long)
+    assert [OTHER.decode_short(llr, -3.0).id for llr in many] == [None] * len(ids)
+
+
+def test_too_few_carriers_tell_no_id_of_32_bits_and_never_a_wrong_one() -> None:
+    rng = np.random.default_rng(33)
+    for carriers, error in [(40, 0.0), (70, 0.06), (150, 0.2)]:
+        for _ in range(40):
+            identity = short_id(int(rng.integers(2**32)))
+            assert CODEC.decode_short(observe(identity, carriers, error, rng), -7.0).id in (None, identity)
+
+
+def test_the_mark_without_an_id_is_one_word() -> None:
+    rng = np.random.default_rng(34)
+    chance = [CODEC.presence_chance(observe(PRESENCE, 20, 0.0, rng)) for _ in range(20)]
+    assert max(chance) < -5.0
+    others = [OTHER.presence_chance(observe(PRESENCE, 20, 0.0, rng)) for _ in range(2000)]
+    assert np.mean(np.array(others) <= -1.0) <= 0.1
+    assert np.mean(np.array(others) <= -2.0) <= 0.01
+    assert CODEC.decode(observe(PRESENCE, 500, 0.0, rng)).id is None
+    assert CODEC.decode_short(observe(PRESENCE, 500, 0.0, rng)).id is None
+
+
+def test_a_list_may_hold_ids_of_64_and_of_32_bits() -> None:
+    ids = [short_id(5), 5, short_id(9), 7]
+    words = CODEC.words(ids)
+    assert np.array_equal(words.bits(), [CODEC.encode(each) for each in ids])
+    for place, identity in enumerate(ids):
+        chances = CODEC.chances(observe(identity, 60, 0.0, np.random.default_rng(place)), words)
+        assert int(np.argmin(chances)) == place
+        assert chances[place] < -12.0
+
+
 def test_the_code_never_changes() -> None:
     """A digest recorded when the code was fixed; another value would orphan every mark ever made."""
     word = CODEC.encode(0x0123456789ABCDEF)
     assert hashlib.sha256(np.packbits(word).tobytes()).hexdigest() == CODE_DIGEST
+    word = np.concatenate([CODEC.encode(short_id(0x01234567)), CODEC.encode(PRESENCE)])
+    assert hashlib.sha256(np.packbits(word).tobytes()).hexdigest() == FEWER_DIGEST
 
 
 @pytest.mark.parametrize("carriers", [64, 100, 150, 1000])

@@ -23,6 +23,15 @@ def test_every_id_comes_back():
     assert max(images) < 2**64
 
 
+def test_every_id_of_32_bits_comes_back():
+    permutation = IdPermutation(KEY.subkey("id permutation"), 32)
+    ids = [identity % 2**32 for identity in IDS]
+    images = [permutation.forward(identity) for identity in ids]
+    assert [permutation.backward(image) for image in images] == ids
+    assert 0 <= min(images) <= max(images) < 2**32
+    assert images != [IdPermutation(KEY.subkey("id permutation")).forward(each) for each in ids]
+
+
 def test_another_key_gives_other_images():
     one, other = (IdPermutation(Key(bytes([n]) * 32).subkey("id permutation")) for n in (1, 2))
     images = [[permutation.forward(identity) for identity in IDS] for permutation in (one, other)]

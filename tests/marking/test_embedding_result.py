@@ -17,7 +17,7 @@ from tests.marked import marked_pebble
 from tests.shapes import pebble
 
 FIELDS = {
-    "id", "layers", "vertices", "faces", "carriers", "mark_vertices", "payload_bytes", "rms_over_diagonal",
+    "id", "bits", "layers", "vertices", "faces", "carriers", "mark_vertices", "payload_bytes", "rms_over_diagonal",
     "max_over_diagonal", "psnr_db", "tolerance", "remarks", "seconds", "strength", "spacing", "step",
 }  # fmt: skip
 PRESENT = {"both": (True, True), "ownership": (True, False), "authentication": (False, True)}

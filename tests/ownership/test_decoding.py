@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from meshmark.coding.codec import Codec
+from meshmark.coding.message import PRESENCE, short_id
 from meshmark.ownership.carriers.cells import Cells
 from meshmark.ownership.carriers.lattice import Lattice
 from meshmark.ownership.carriers.lattice_label import Label
 from meshmark.ownership.carriers.reading import Reading
 from meshmark.ownership.decoding import Listed, decoded, lock_bound
 from meshmark.ownership.search.measurement import CellReading, Measurement
-from tests.keys import KEY
+from tests.keys import ID, KEY
 
 CODEC = Codec(KEY)
 NOBODY = Listed(ids=(), words=CODEC.words([]))
@@ -73,3 +76,44 @@ def test_phases_of_nothing_name_nobody():
     assert lock_bound(nothing) > -3.0
     assert decoded(CODEC, nothing, NOBODY) is None
     assert decoded(CODEC, nothing, Listed(ids=ids, words=CODEC.words(ids))) is None
+
+
+@pytest.mark.parametrize("identity", [short_id(7), PRESENCE])
+def test_a_mark_of_fewer_bits_is_told_where_its_lock_is_credible(identity):
+    found = decoded(CODEC, reading((identity,)), NOBODY)
+    assert (found.ids, found.present) == ((identity,), True)
+    assert found.log10_false_positive < -20.0
+    assert len(found.log10_words) == (identity != PRESENCE)
+    assert decoded(CODEC, reading(()), NOBODY) is None
+
+
+@pytest.mark.parametrize("identity", [7, ID, short_id(7), short_id(8)])
+@pytest.mark.parametrize("count", [300, 700, 2000])
+def test_an_id_with_every_bit_turned_round_is_told_and_no_other(identity, count):
+    """Words of a code agree with four fifths of the complement of others."""
+    right = reading((identity,), count)
+    turned = replace(right, phase=right.phase + np.where(right.keys.pilot, 0.0, np.pi))
+    assert decoded(CODEC, right, NOBODY).ids == (identity,)
+    assert decoded(CODEC, turned, NOBODY).ids == (identity,)
+
+
+def test_fewer_bits_pay_more_and_those_of_64_hardly():
+    """The chance that is left for 64 bits is 98 % of what it was."""
+    few = {each: decoded(CODEC, reading((each,), 150, 0.1), NOBODY) for each in (7, short_id(7), PRESENCE)}
+    lock, word = few[7].reading.log10_chance, few[7].log10_words[0]
+    alone = CODEC.decode(few[7].reading.observed()).log10_chance
+    assert word - alone == pytest.approx(np.log10(3.0 / 0.98))
+    assert few[short_id(7)].log10_words[0] == pytest.approx(
+        CODEC.decode_short(few[short_id(7)].reading.observed()).log10_chance + np.log10(200.0)
+    )
+    chance = few[PRESENCE].reading.log10_chance + CODEC.presence_chance(few[PRESENCE].reading.observed())
+    assert few[PRESENCE].log10_false_positive == pytest.approx(
+        chance + 2.0 + np.log10(1.0 - chance * np.log(10.0))
+    )
+    assert lock < -20.0
+
+
+def test_a_listed_id_of_32_bits_is_told_from_few_carriers():
+    ids = (short_id(7), short_id(8), 9)
+    average = reading((short_id(8),), 60, 0.1)
+    assert decoded(CODEC, average, Listed(ids=ids, words=CODEC.words(ids))).ids == (short_id(8),)

@@ -178,7 +178,7 @@ def test_points_inside_the_edges_of_others_stay_in_them_and_the_id_is_read():
 def test_too_few_points_are_refused_with_their_number():
     with pytest.raises(
         CapacityError,
-        match=rf"its 12 points carry (\d|[1-7]\d) bits of the code, {DISTINCT_BITS} are needed$",
+        match=rf"its 12 points carry (\d|[1-7]\d) bits of the code, {DISTINCT_BITS[64]} are needed; --bits 0 fits",
     ) as told:
         embed(Mesh(*ball(0)), KEY, id=ID, layers="ownership")
     assert "its triangles are" in str(told.value)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from meshmark.errors import CapacityError
-from meshmark.marking import both_layers, embed
+from meshmark.marking import both_layers, embed, fewer_bits
 from meshmark.mesh import Mesh
 from meshmark.ownership.embedding_in_cells import embed_in_cells
 from meshmark.ownership.embedding_task import EmbeddingTask
@@ -83,6 +83,7 @@ def test_room_for_authentication_alone_is_said(monkeypatch):
         raise CapacityError("no room")
 
     monkeypatch.setattr(both_layers, "embed_repeated", refuse)
+    monkeypatch.setattr(fewer_bits, "embed_repeated", refuse)
     with pytest.raises(CapacityError, match=r"no room; for --layers authentication, .* there is room"):
         embed(Mesh(*pebble(40)), KEY, id=ID)
 

@@ -22,6 +22,7 @@ from meshmark.certificate.binding import mismatch, refuse_edited
 from meshmark.certificate.certificate import Certificate
 from meshmark.coding.erasure.erasure_code import ErasureCode
 from meshmark.coding.keys import Key
+from meshmark.coding.message import ID_BITS, PRESENCE, bits_of
 from meshmark.geometry.shown import Shown, times_of
 from meshmark.geometry.surface import Surface
 from meshmark.mesh import Mesh
@@ -41,8 +42,9 @@ _MERGED = 3
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Examination:
-    """surface: the suspect's; checks: of its marks; id: the model's, from the marks or from the ownership layer, or
-    None. marked: marks of authentication hold. altered: (p,) points, all of them where no mark holds.
+    """surface: the suspect's; checks: of its marks; id: the model's, from the marks or from the ownership layer,
+    `PRESENCE` of a mark that carries none, or None. marked: marks of authentication hold. altered: (p,) points,
+    all of them where no mark holds.
     log10_false_positive: bound on the chance of the marks, or else of the id, without the key. payload: what the
     intact part carries, None where it is too little.
     rounded: what coordinates were rounded to, where there is an id and no mark bears such a rounding.
@@ -167,15 +169,15 @@ def _examined(
         if expected is not None and expected.log10_chance > MARKED_LOG10:
             return _unmarked(surface, checks)
         found = ask()
-        identity = found.id
-        if identity is not None:
+        identity = PRESENCE if found.bits == 0 else found.id
+        if identity is not None and bits_of(identity) == ID_BITS:  # others sign no marks
             again = expected if identity == made else None
             checks = check(surface, key, identity) if again is None else again
     certificate = reference if isinstance(reference, Certificate) else None
     remark = None if certificate is None else mismatch(certificate, key, identity)
     if checks.speak and checks.log10_chance <= MARKED_LOG10:
         packed = None
-        if identity is not None:
+        if identity is not None and bits_of(identity) == ID_BITS:
             packed, reading = _packed(checks, key, identity)
             if packed is not None:
                 checks = _confirmed(surface, checks, packed, reading)

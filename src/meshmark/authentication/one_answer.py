@@ -10,7 +10,7 @@ from meshmark.certificate.binding import mismatch
 from meshmark.certificate.certificate import Certificate
 from meshmark.coding.chance import believable
 from meshmark.coding.keys import Key
-from meshmark.coding.message import format_id
+from meshmark.coding.message import bits_of, format_id
 from meshmark.mesh import Mesh
 from meshmark.ownership.extraction_result import Evidence, Extraction
 from meshmark.ownership.parameters import PRESENT_LOG10
@@ -71,6 +71,7 @@ def one_answer(
         presence="present",
         id=ids[0] if len(ids) == 1 else None,
         ids=ids,
+        bits=max(map(bits_of, ids)),
         log10_false_positive=bound,
         evidence=tuple(evidence),
         advice=advice,
@@ -104,7 +105,7 @@ def _without_id(found: Extraction, evidence: Sequence[Evidence]) -> Extraction:
     if evidence:
         return replace(found, log10_false_positive=evidence[0].log10_false_positive, evidence=tuple(evidence))
     advice = "What was found is not sure enough, given all that was looked at."
-    return replace(found, presence="inconclusive", id=None, ids=(), evidence=(), advice=advice)
+    return replace(found, presence="inconclusive", id=None, ids=(), bits=None, evidence=(), advice=advice)
 
 
 def _of_marks(found: Extraction) -> str:

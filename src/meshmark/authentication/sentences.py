@@ -9,6 +9,7 @@ from meshmark.authentication.examination import Examination
 from meshmark.authentication.regions.region import Region
 from meshmark.authentication.rounded import Requantised, Rounded
 from meshmark.authentication.shown_otherwise import Cause
+from meshmark.coding.message import PRESENCE
 
 __all__ = ["of_altered", "of_causes", "of_marks", "of_number", "of_requantised", "of_rounded"]
 
@@ -40,26 +41,27 @@ def of_marks(verdict: str, found: Examination) -> str:
 
 def _of_id(verdict: str, found: Examination) -> str:
     """Return the sentence of a model with the id, but without a mark of authentication."""
+    carries = "It carries the owner's mark" if found.id == PRESENCE else "It carries the owner's id"
     if verdict == "altered" and found.ownership_only:
         return (
-            "It carries the owner's id, but less clearly than when it was marked: the surface was changed by more "
+            f"{carries}, but less clearly than when it was marked: the surface was changed by more "
             f"than rounding, an error below 10^{WRONG_LOG10:.0f}. It was marked without the authentication layer, "
             "so where it was changed cannot be told."
         )
     if verdict == "altered":
-        return "It carries the owner's id, but no mark of authentication holds: it was changed everywhere."
+        return f"{carries}, but no mark of authentication holds: it was changed everywhere."
     if found.ownership_only:
         return (
-            "It carries the owner's id, and was marked without the authentication layer: no change shows, but "
+            f"{carries}, and was marked without the authentication layer: no change shows, but "
             "whether there was none cannot be told."
         )
     if found.rounded is not None:
         return (
-            f"It carries the owner's id, but was rounded to {found.rounded} everywhere, and no mark of "
+            f"{carries}, but was rounded to {found.rounded} everywhere, and no mark of "
             "authentication bears that: whether more was changed cannot be told."
         )
     return (
-        "It carries the owner's id, but no mark of authentication: it was marked without that layer, or changed "
+        f"{carries}, but no mark of authentication: it was marked without that layer, or changed "
         "everywhere; whether it was changed cannot be told. Its certificate may tell."
     )
 

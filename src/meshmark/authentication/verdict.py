@@ -24,7 +24,7 @@ from meshmark.certificate.certificate import Certificate
 from meshmark.coding.chance import band, believable
 from meshmark.coding.elapsed import rounded_up
 from meshmark.coding.keys import Key
-from meshmark.coding.message import format_id
+from meshmark.coding.message import format_id, told_id
 from meshmark.mesh import FloatArray, IntArray, Mesh
 from meshmark.notebook import notebook_table
 from meshmark.ownership.extraction import MODES
@@ -204,7 +204,7 @@ def authenticate(mesh: Mesh, key: Key, *, reference: Certificate | Mesh | None =
         points_missing=found.points_missing,
         payload=_payload(found),
         content=found.payload,
-        id=found.id,
+        id=told_id(found.id),
         log10_false_positive=believable(found.log10_false_positive),
         mode=MODES[type(reference)],
         certificate=_certificate(found, reference),

@@ -27,7 +27,7 @@ _SAID = ("layers", "written")
 
 
 def bound(certificate: Certificate, key: Key, identity: int) -> Certificate:
-    """Return the certificate of a model that was marked with this key and 64-bit id, bound to both.
+    """Return the certificate of a model that was marked with this key and id, bound to both.
 
     Fields that are added or changed after this break the binding.
     """
@@ -54,7 +54,7 @@ def mismatch(certificate: Certificate, key: Key, identity: int | None) -> str | 
     key : Key
         Of the mark.
     identity : int or None
-        64-bit id of the mark; None: any mark of this key.
+        Of the mark, as `coding.message` counts ids; None: any mark of this key.
 
     Returns
     -------
@@ -89,7 +89,9 @@ def _of_key(content: str, key: Key) -> str:
 
 
 def _of_mark(content: str, key: Key, identity: int) -> str:
-    return _digest(identity.to_bytes(8, "little") + _text(content), key, b"mark")
+    return _digest(
+        identity.to_bytes(8 if identity < 1 << 64 else 16, "little") + _text(content), key, b"mark"
+    )
 
 
 def _text(value: str) -> bytes:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from meshmark.cli.options import ForceKey, ForceKeyed, KeyFile, Layers, Search, Strength, Tolerance
+from meshmark.cli.options import Bits, ForceKey, ForceKeyed, KeyFile, Layers, Search, Strength, Tolerance
 from meshmark.cli.registry_option import RegistryIn, named_registry
 
 if TYPE_CHECKING:
@@ -65,6 +65,7 @@ def batch_embed(
     certificates: Annotated[
         bool, typer.Option("--certificates", help="Also write a certificate beside each marked file, .cert.")
     ] = False,
+    bits: Annotated[Bits, typer.Option(help="As `embed` takes it.")] = Bits.long,
     strength: Annotated[Strength, typer.Option(help="As `embed` takes it.")] = Strength.standard,
     layers: Annotated[Layers | None, typer.Option(help="As `embed` takes it.")] = None,
     payload: Annotated[
@@ -88,6 +89,8 @@ def batch_embed(
     Exit code 1: a model has no mark.
     """
     options = {"--strength": strength, "--layers": layers, "--payload": payload, "--tolerance": tolerance}
+    if bits != Bits.long:
+        options["--bits"] = bits
     return _run(
         _command("embed", key, out, options, registry=registry, certificates=certificates),
         source=source,

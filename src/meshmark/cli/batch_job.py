@@ -7,6 +7,7 @@ import io
 import json
 import os
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -75,18 +76,22 @@ def _line(command: BatchCommand, item: Item, digest: str | None) -> tuple[list[s
         return [*words, *registry], None
     from meshmark.batch.batch_id import batch_id
     from meshmark.coding.keys import Key
-    from meshmark.coding.message import format_id, parse_id
+    from meshmark.coding.message import ID_BITS, format_id, parse_id, requested_id
 
     place = command.marked(item)
     with contextlib.suppress(OSError):  # which the command will say
         place.parent.mkdir(parents=True, exist_ok=True)
     secret = Key.load(command.key, force=True)
-    number = batch_id(secret, item.name, digest or "") if item.id is None else parse_id(item.id)
-    words = [str(place), *words, "--id", format_id(number)]
+    bits = int(dict(pairwise(command.options)).get("--bits", ID_BITS))
+    drawn = batch_id(secret, item.name, digest or "", bits) if item.id is None else parse_id(item.id, bits)
+    number = requested_id(drawn, bits)
+    words = [str(place), *words, *(["--id", format_id(number)] if bits else [])]
     if command.certificates:
         words += ["--certificate", f"{place}{CERTIFICATE_SUFFIX}"]
     issued = (
-        None if command.registry is None else _issued(command.registry, secret.fingerprint, number, place)
+        None
+        if command.registry is None or not bits
+        else _issued(command.registry, secret.fingerprint, number, place)
     )
     if issued is not None:
         return words, issued

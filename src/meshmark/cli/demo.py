@@ -82,7 +82,7 @@ def _shown(model: Path | None, places: Places, force: bool) -> int:
     marked = original.with_name(original.name.replace("original", "marked", 1))
     with progress("marking"):
         embedded = embed_file(original, marked, key)
-    identity = format_id(embedded.id)
+    identity = "none" if embedded.id is None else format_id(embedded.id)
     steps.done(
         "Marked",
         f"{named(marked)}: id {identity} in {embedded.carriers} places{_upper(embedded)}; moved "

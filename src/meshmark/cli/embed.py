@@ -11,6 +11,7 @@ import typer
 from meshmark.cli.model_input import named, read_model
 from meshmark.cli.options import (
     AsJson,
+    Bits,
     ForceKeyed,
     KeyFile,
     Layers,
@@ -42,9 +43,18 @@ def embed(
     identity: Annotated[
         str | None,
         typer.Option(
-            "--id", metavar="HEX16", help="The id: 16 hexadecimal digits; without it, a random one."
+            "--id",
+            metavar="HEX16",
+            help="The id: 16 hexadecimal digits, 8 with --bits 32; without it, a random one.",
         ),
     ] = None,
+    bits: Annotated[
+        Bits,
+        typer.Option(
+            help="Of the id. For models too small for 64: 32, as serial numbers of a registry have, or 0, a mark "
+            "without an id, which says that it is there. With 32 and 0 there are no marks of authentication."
+        ),
+    ] = Bits.long,
     strength: Annotated[
         Strength,
         typer.Option(help="RMS movement over the diagonal: subtle 0.02 %, standard 0.08 %, strong 0.2 %."),
@@ -112,6 +122,9 @@ def embed(
 
     With --registry the copy is entered into a registry, with its certificate: no file has a name without its row.
 
+    A model too small for 64 bits carries 32, or a mark without an id, where --bits asks for it; the refusal of 64
+    says which of them would fit.
+
     Exit code 4: the model cannot carry what was asked, and nothing is written.
     """
     from meshmark.coding.keys import Key
@@ -120,7 +133,10 @@ def embed(
     carried = payload if payload in (None, "miniature", "none") else Path(str(payload))
     inputs = [model, key, carried if isinstance(carried, Path) else None]
     staging = staged([(out, None), (certificate, None), (picture, ".png"), (report, ".html")], inputs, force)
-    number = None if identity is None else parse_id(identity)
+    length = int(bits)
+    number = None if identity is None else parse_id(identity, length)
+    if registry and not length:
+        raise InputError("a registry tells copies by their ids, expected --bits 64 or 32 with --registry")
     if recipient is not None and not registry:
         raise InputError("--to is kept in a registry, expected --registry as well")
     secret = Key.load(key, force=force)
@@ -140,7 +156,7 @@ def embed(
             opened = stack.enter_context(open_registry(registry))
             original = original_of_mesh(mesh, named(model).name, opened)
             entry = stack.enter_context(
-                recorded(opened, original, secret, out, id=number, recipient=recipient)
+                recorded(opened, original, secret, out, id=number, bits=length, recipient=recipient)
             )
             number = entry.id
         stack.enter_context(staging)
@@ -149,6 +165,7 @@ def embed(
             out,
             secret,
             id=number,
+            bits=length,
             strength=strength.value,
             layers=wanted,
             payload=carried,
@@ -183,11 +200,12 @@ def _words(result: Embedding, model: Path, out: Path) -> str:
     from meshmark.coding.message import format_id
 
     rms, largest = percent(result.rms_over_diagonal), percent(result.max_over_diagonal)
+    identity = "no id" if result.id is None else f"id {format_id(result.id)}"
     upper = ""
     if result.mark_vertices:
         payload = f" with {plural(result.payload_bytes, 'byte')} of payload" if result.payload_bytes else ""
         upper = f"; {plural(result.mark_vertices, 'mark')} of authentication{payload}"
     return (
-        f"Marked: {model} -> {out}; id {format_id(result.id)}; moved {rms} of the diagonal RMS "
+        f"Marked: {model} -> {out}; {identity}; moved {rms} of the diagonal RMS "
         f"({largest} at most){upper}; read back and verified"
     )

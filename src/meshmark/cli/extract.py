@@ -50,7 +50,7 @@ def extract(
         Path | None,
         typer.Option(
             metavar="FILE",
-            help="Ids of which one may be there, 16 hexadecimal digits a line; # starts a comment.",
+            help="Ids of which one may be there, 16 (or 8) hexadecimal digits a line; # starts a comment.",
         ),
     ] = None,
     registry: RegistryIn = None,
@@ -127,6 +127,12 @@ def _words(found: Extraction, model: Path, diagnose: bool, recipients: Sequence[
         ids = f"the ids {', '.join(first)} and {last}" if first else f"the id {last}"
         issued = f", issued to {', '.join(recipients)}" if recipients else ""
         return f"Present: {model} carries {ids}{issued}; {chance}. {found.advice}"
+    if found.bits == 0:
+        bound = found.log10_false_positive if diagnose else band(found.log10_false_positive)
+        return (
+            f"Present: {model} carries a mark of this key, without an id; chance of a false alarm "
+            f"{in_words(bound)}. {found.advice}"
+        )
     start = {
         "present": f"Present in {model}, but the id cannot be read.",
         "absent": f"Absent from {model}.",

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from meshmark.cli.registry_option import REGISTRY_VARIABLE
+from meshmark.coding.message import parse_id
 from meshmark.errors import CapacityError, InputError, MeshmarkError, OutputError, RegistryError
 from meshmark.registry.issuing import Issued
 from meshmark.registry.recipients import Recipient
@@ -63,7 +64,7 @@ def worked(line: Sequence[str], workers: int, place: str) -> Iterator[Issued]:
             else:
                 yield Issued(
                     recipient=values["recipient"],
-                    id=int(values["id"], 16),
+                    id=parse_id(values["id"]),
                     path=Path(values["path"]),
                     made=values["made"],
                 )

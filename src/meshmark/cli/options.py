@@ -10,6 +10,7 @@ import typer
 
 __all__ = [
     "AsJson",
+    "Bits",
     "CertificateIn",
     "CertificateNeeded",
     "Force",
@@ -34,6 +35,14 @@ class Strength(StrEnum):
     subtle = "subtle"
     standard = "standard"
     strong = "strong"
+
+
+class Bits(StrEnum):
+    """How many bits the id has; 0: there is none."""
+
+    long = "64"
+    short = "32"
+    none = "0"
 
 
 class Layers(StrEnum):

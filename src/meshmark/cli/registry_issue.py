@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from meshmark.cli.model_input import read_model
-from meshmark.cli.options import AsJson, ForceKey, KeyFile, Layers, ModelIn, Strength, Tolerance
+from meshmark.cli.options import AsJson, Bits, ForceKey, KeyFile, Layers, ModelIn, Strength, Tolerance
 from meshmark.cli.output import answer, described, plural
 from meshmark.cli.paths import STANDARD_INPUT, make_folder, naming
 from meshmark.cli.progress import counted
@@ -39,6 +39,9 @@ def issue_copies(
         bool,
         typer.Option("--resume", help="Go on with what an interrupted run left, and with new recipients."),
     ] = False,
+    bits: Annotated[
+        Bits, typer.Option(help="As `embed` takes it; 0 tells no copy from another.")
+    ] = Bits.long,
     strength: Annotated[Strength, typer.Option(help="As `embed` takes it.")] = Strength.standard,
     layers: Annotated[Layers | None, typer.Option(help="As `embed` takes it.")] = None,
     payload: Annotated[
@@ -62,6 +65,8 @@ def issue_copies(
     place = named_registry(registry)
     if model == STANDARD_INPUT:
         raise InputError("copies are made of a model file, expected its name instead of standard input")
+    if bits == Bits.none:
+        raise InputError("a registry tells copies by their ids, expected --bits 64 or 32")
     wanted = read_recipients(recipients)
     secret = Key.load(key, force=force)
     if part is None:
@@ -79,6 +84,7 @@ def issue_copies(
         layers=None if layers is None else layers.value,
         payload=payload if payload in (None, "miniature", "none") else Path(str(payload)),
         tolerance=None if tolerance is None else tolerance.value,
+        bits=int(bits),
         resume=resume,
     )
     if part is not None:
@@ -88,6 +94,7 @@ def issue_copies(
             return run_part(issue(plan, part_of(wanted, part), opened))
     line = ["registry", "issue", str(model), "--to", str(recipients), "--out", str(out), "--key", str(key)]
     options = {"--strength": strength, "--layers": layers, "--payload": payload, "--tolerance": tolerance}
+    options["--bits"] = bits
     line += [word for name, value in options.items() if value is not None for word in (name, str(value))]
     line += [name for name, given in (("--resume", resume), ("--force", force)) if given]
     from meshmark.cli.issue_workers import worked

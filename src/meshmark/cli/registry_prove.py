@@ -24,7 +24,7 @@ __all__ = ["prove_copy", "verify_proof"]
 
 def prove_copy(
     *,
-    identity: Annotated[str, typer.Argument(metavar="ID", help="Of the copy: 16 hexadecimal digits.")],
+    identity: Annotated[str, typer.Argument(metavar="ID", help="Of the copy: 16 hexadecimal digits, or 8.")],
     out: Annotated[Path, typer.Option("--out", metavar="DIR", help="New or empty folder for the proof.")],
     key: KeyFile,
     suspect: Annotated[

@@ -49,7 +49,7 @@ def list_registry(
 
 def show_copy(
     *,
-    identity: Annotated[str, typer.Argument(metavar="ID", help="16 hexadecimal digits.")],
+    identity: Annotated[str, typer.Argument(metavar="ID", help="16 hexadecimal digits, or 8.")],
     registry: RegistryIn = None,
     as_json: AsJson = False,
 ) -> int:

@@ -4,47 +4,43 @@ The id, permuted under the key, is one word of a keyed linear code, XORed with a
 needed for a check: an unmarked model (or a wrong key) shows random code bits, so the chance that *any* of the
 2^64 words agrees as well as the one found has a bound that holds for every decoder (`log10_chance`). An id is
 returned only where this bound lies under a limit; the default, 2^-32, is the strength of a 32-bit check word.
+
+Ids of 32 bits have a code of their own, and a mark without an id is one word: no word of one is one of another
+(docs/decisions/0033-fewer-bits.md).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from math import log, log2, log10
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from math import log2, log10
 from typing import Final
 
 import numpy as np
 
 from meshmark.coding.keyed import keyed_bits
+from meshmark.coding.keyed_code import LENGTH, KeyedCode, log10_chance
 from meshmark.coding.keys import Key
-from meshmark.coding.list_decoder import ListDecoder
-from meshmark.coding.message import ID_BITS, check_id
-from meshmark.coding.permutation import IdPermutation
-from meshmark.coding.polar import Bits, polar_code
-from meshmark.coding.word_list import WordList, word_list
+from meshmark.coding.message import ID_BITS, SHORT_BITS, bits_of, short_id
+from meshmark.coding.polar import Bits
+from meshmark.coding.word_list import WordList, joined
 from meshmark.errors import InputError
 from meshmark.mesh import FloatArray
 
-__all__ = ["CHECK_WORD_LIMIT", "Codec", "Decoded", "DecodedPair", "log10_chance"]
+__all__ = ["CHECK_WORD_LIMIT", "Codec", "Decoded", "DecodedPair"]
 
-# Chosen by measurement, docs/decisions/0004-code.md.
-LENGTH = 4096
-CHECKS = 16
-PATHS = 64
 CHECK_WORD_LIMIT: Final = -32 * log10(2.0)
 
 # Standard deviations by which an agreement stands out.
 NOTABLE = 3.0
-_NEWTON_STEPS = 20
-_LARGEST_S = 20.0
-_TINY = 1e-12
 
 
 @dataclass(frozen=True, kw_only=True)
 class Decoded:
     """What a decoder found.
 
-    id:                 the 64-bit id, or None where nothing passes the limit
+    id:                 the id, or None where nothing passes the limit
     guess:              the id of the best candidate, passed or not
     candidates_tested:  words compared with the observations
     bits:               (n,) the code bits of the best candidate, passed or not
@@ -74,10 +70,17 @@ class Codec:
     """The keyed code; which cell carries which code bit is the caller's choice."""
 
     def __init__(self, key: Key) -> None:
-        self._code = polar_code(LENGTH, ID_BITS, CHECKS, key.subkey("code"))
-        self._permutation = IdPermutation(key.subkey("id permutation"))
-        self._mask = keyed_bits(key.subkey("code mask"), LENGTH)
-        self._decoder = ListDecoder(self._code)
+        self._key = key
+        self._long = KeyedCode(key, ID_BITS)
+
+    @cached_property
+    def _short(self) -> KeyedCode:
+        return KeyedCode(self._key, SHORT_BITS, f" of {SHORT_BITS} bits")
+
+    @cached_property
+    def _presence(self) -> Bits:
+        """The word (n,) of the mark without an id."""
+        return keyed_bits(self._key.subkey("presence word"), LENGTH)
 
     @property
     def n(self) -> int:
@@ -85,11 +88,14 @@ class Codec:
         return LENGTH
 
     def encode(self, identity: int) -> Bits:
-        """Return the code bits (n,) of an id; raises `InputError` where it has more than 64 bits."""
-        return self._code.encode(self._permutation.forward(check_id(identity))) ^ self._mask
+        """Return the code bits (n,) of an id of 64 or 32 bits, or of `PRESENCE`; raises `InputError` for others."""
+        bits = bits_of(identity)
+        if not bits:
+            return self._presence
+        return self._long.encode(identity) if bits == ID_BITS else self._short.encode(_serial(identity))
 
     def decode(self, llr: FloatArray, log10_limit: float = CHECK_WORD_LIMIT) -> Decoded:
-        """Return the id behind the observations.
+        """Return the id of 64 bits behind the observations.
 
         llr: (n,) log-likelihood ratio log(P(0)/P(1)) of each code bit in any common scale, the sum over the
              cells that carry it, 0 where none does. On unmarked models its signs must be fair coins.
@@ -97,18 +103,26 @@ class Codec:
         Raises `InputError` for any other shape, or numbers that are not finite.
         """
         _check(llr)
-        word, image, tested, chance = self._likeliest(llr * (1.0 - 2.0 * self._mask))
-        guess = self._permutation.backward(image)
-        return Decoded(
-            id=guess if chance <= log10_limit else None,
-            guess=guess,
-            candidates_tested=tested,
-            bits=word ^ self._mask,
-            log10_chance=chance,
-        )
+        return _decoded(self._long, llr, log10_limit)
+
+    def decode_short(self, llr: FloatArray, log10_limit: float = CHECK_WORD_LIMIT) -> Decoded:
+        """Return the id of 32 bits behind the observations, as `decode` does that of 64."""
+        _check(llr)
+        found = _decoded(self._short, llr, log10_limit)
+        identity = None if found.id is None else short_id(found.id)
+        return replace(found, id=identity, guess=short_id(found.guess))
+
+    def presence_chance(self, llr: FloatArray) -> float:
+        """Return log10 of a bound on the chance that random observations agree as well with the word of no id.
+
+        llr: (n,) as `decode` takes it, raising `InputError` as it does.
+        """
+        _check(llr)
+        agreement = float(llr @ (1.0 - 2.0 * self._presence))
+        return log10_chance(llr, agreement, 0.0)
 
     def decode_pair(self, llr: FloatArray, differ: FloatArray) -> DecodedPair:
-        """Return the two ids behind observations of an average of two copies.
+        """Return the two ids of 64 bits behind observations of an average of two copies.
 
         The bits where two words differ are a word themselves, as the code is linear; where they do not, the bits
         are those of either.
@@ -120,17 +134,25 @@ class Codec:
         """
         _check(llr)
         _check(differ)
-        between, difference, _, chance = self._likeliest(differ)
+        between, difference, _, chance = self._long.likeliest(differ)
         if difference == 0:  # one id, which is no average
             chance = 0.0
-        _, image, _, second = self._likeliest(np.where(between == 0, llr * (1.0 - 2.0 * self._mask), 0.0))
-        ids = sorted(self._permutation.backward(each) for each in (image, image ^ difference))
+        common = np.where(between == 0, self._long.unmasked(llr), 0.0)
+        _, image, _, second = self._long.likeliest(common)
+        ids = sorted(self._long.number(each) for each in (image, image ^ difference))
         return DecodedPair(ids=(ids[0], ids[1]), log10_chances=(chance, second))
 
     def words(self, ids: Sequence[int]) -> WordList:
-        """Return the code bits of m ids; raises `InputError` where one has more than 64 bits."""
-        permuted = [self._permutation.forward(check_id(each)) for each in ids]
-        return word_list(self._code, permuted, self._mask)
+        """Return the code bits of m ids of 64 or 32 bits; raises `InputError` for other numbers."""
+        short = [place for place, each in enumerate(ids) if bits_of(each) == SHORT_BITS]
+        if not short:
+            return self._long.words(ids)
+        long = [place for place, each in enumerate(ids) if bits_of(each) == ID_BITS]
+        parts = [
+            (long, self._long.words([ids[place] for place in long])),
+            (short, self._short.words([_serial(ids[place]) for place in short])),
+        ]
+        return joined(parts)
 
     def chances(self, llr: FloatArray, words: WordList) -> FloatArray:
         """Return log10 of bounds (m,) on the chance that random observations agree as well with any of m words.
@@ -147,38 +169,23 @@ class Codec:
             chances[row] = log10_chance(values, float(agreement[row]), log2(len(words)))
         return chances
 
-    def _likeliest(self, values: FloatArray) -> tuple[Bits, int, int, float]:
-        """Return (word, the permuted id, words compared, chance) of the best word of the code without mask."""
-        ids, words = self._decoder.decode(values, PATHS)
-        seen = np.flatnonzero(values)
-        agreement = values.sum() - 2.0 * (words[:, seen] @ values[seen])
-        best = int(np.argmax(agreement))
-        return words[best], int(ids[best]), len(ids), log10_chance(values, float(agreement[best]))
+
+def _serial(identity: int) -> int:
+    return identity % (1 << SHORT_BITS)
+
+
+def _decoded(code: KeyedCode, llr: FloatArray, log10_limit: float) -> Decoded:
+    word, image, tested, chance = code.likeliest(code.unmasked(llr))
+    guess = code.number(image)
+    return Decoded(
+        id=guess if chance <= log10_limit else None,
+        guess=guess,
+        candidates_tested=tested,
+        bits=word ^ code.mask,
+        log10_chance=chance,
+    )
 
 
 def _check(llr: FloatArray) -> None:
     if np.shape(llr) != (LENGTH,) or not np.isfinite(llr).all():
         raise InputError(f"the observations have shape {np.shape(llr)}, expected {LENGTH} finite numbers")
-
-
-def log10_chance(llr: FloatArray, agreement: float, words_log2: float = ID_BITS) -> float:
-    """Bound log10 of the chance that random signs agree with any of the 2^64 words as well as given.
-
-    agreement: sum of the LLRs (any shape, any scale), each times the sign that the word predicts.
-    For one word Chernoff's bound, prod cosh(s l_i) / e^(s agreement), which holds for every s; times their number.
-    words_log2: logarithm of the number of words that were compared, all 2^64 by default.
-    """
-    magnitudes = np.abs(llr[llr != 0.0])
-    if not len(magnitudes) or agreement <= 0.0:
-        return 0.0
-    scale = magnitudes.mean()
-    sizes, target = magnitudes / scale, agreement / scale
-    # The best s solves sum l tanh(s l) = agreement; the left side is concave: Newton never overshoots.
-    s = 0.0
-    for _ in range(_NEWTON_STEPS):
-        slope = np.tanh(s * sizes)
-        s += max(0.0, target - sizes @ slope) / (sizes**2 @ (1.0 - slope**2) + _TINY)
-        s = min(s, _LARGEST_S)
-    # log cosh x = x + log(1 + e^-2x) - log 2, stable for large x
-    exponent = s * (sizes.sum() - target) + np.log1p(np.exp(-2.0 * s * sizes)).sum() - len(sizes) * log(2.0)
-    return min(0.0, float(exponent + words_log2 * log(2.0)) / log(10.0))

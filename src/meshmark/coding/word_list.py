@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from meshmark.coding.polar import Bits, PolarCode, parity, polar_transform
 from meshmark.mesh import FloatArray
 
-__all__ = ["WordList", "word_list"]
+__all__ = ["WordList", "joined", "word_list"]
 
 _BYTE = 8
 # Tables are worth their making for more ids than this.
@@ -61,3 +61,10 @@ def word_list(code: PolarCode, ids: Sequence[int], mask: Bits) -> WordList:
         table = np.packbits(parity(sets & values[:, None]), axis=1)
         words ^= table[(numbers >> np.uint64(place)).astype(np.int64) & 0xFF]
     return WordList(np.ascontiguousarray(words.T))
+
+
+def joined(parts: Sequence[tuple[Sequence[int], WordList]]) -> WordList:
+    """Return one list of several, each with the places, in the whole, of its words."""
+    places = np.concatenate([np.asarray(own, np.int64) for own, _ in parts])
+    packed = np.concatenate([words.packed for _, words in parts], axis=1)
+    return WordList(np.ascontiguousarray(packed[:, np.argsort(places)]))

@@ -10,9 +10,11 @@ from meshmark.authentication.marks.planning import plans
 from meshmark.authentication.payload.content import Content
 from meshmark.authentication.shown_otherwise import packed_deviations
 from meshmark.coding.keys import Key
+from meshmark.coding.message import ID_BITS, told_id
 from meshmark.errors import CapacityError
 from meshmark.marking.authentication_layer import Base, with_authentication
 from meshmark.marking.embedding_result import Embedding
+from meshmark.marking.fewer_bits import fewer_bits_that_fit
 from meshmark.marking.mark_request import WEB_FORMATS, MarkRequest
 from meshmark.marking.repeated_mesh import embed_repeated
 from meshmark.marking.verification import verify
@@ -27,6 +29,10 @@ __all__ = ["embed", "embed_for"]
 
 # Room for the upper layer is measured on a surface that then changes a little.
 _MORE = 1.1
+_UNSIGNED = (
+    f"the authentication layer is left out: its marks are signed with an id of {ID_BITS} bits, so nothing tells "
+    "what is changed later"
+)
 _PRICE = (
     "the marks of authentication bear exports that round positions to 14 bits, as web pipelines do, and so carry "
     "less payload; --tolerance default has more, but loses its marks in such exports"
@@ -39,19 +45,23 @@ def embed(
     key: Key,
     *,
     id: int | None = None,
+    bits: int = ID_BITS,
     strength: str = "standard",
     layers: str | None = None,
     payload: Content = None,
     tolerance: str | None = None,
 ) -> Embedding:
-    """Mark a mesh with a 64-bit id, and with marks that show what is changed later; read everything back blind.
+    """Mark a mesh with an id, and with marks that show what is changed later; read everything back blind.
 
     Parameters
     ----------
     mesh : Mesh
     key : Key
     id : int, optional
-        64 bits; drawn at random where it is left out.
+        Of so many bits; drawn at random where it is left out.
+    bits : int
+        64; or, for models too small for it, 32, a registry's serial number, or 0, a mark without an id, which says
+        that it is there. With 32 and 0 there are no marks of authentication.
     strength : str
         "subtle", "standard" or "strong": an RMS displacement of at most 0.02, 0.08 or 0.2 % of the bounding-box
         diagonal by all layers together, in the positions that the file can hold.
@@ -80,7 +90,7 @@ def embed(
     """
     start = perf_counter()
     request = MarkRequest.checked(
-        key, id=id, strength=strength, layers=layers, payload=payload, tolerance=tolerance
+        key, id=id, bits=bits, strength=strength, layers=layers, payload=payload, tolerance=tolerance
     )
     goes_to = None if mesh.document is None else mesh.document.format
     return replace(embed_for(mesh, request, goes_to), seconds=perf_counter() - start)
@@ -130,6 +140,9 @@ def _marked(mesh: Mesh, request: MarkRequest) -> Embedding:
     """Return the layers that are asked for, read back."""
     if request.layers == "authentication":
         return _first_that_fits(None, mesh, request)
+    if request.bits != ID_BITS:
+        left = () if request.layers else (_UNSIGNED,)
+        return _verified(_with_id(mesh, request), mesh, request, remarks=left)
     if request.layers == "ownership":
         return _verified(_with_id(mesh, request), mesh, request)
     try:
@@ -143,14 +156,18 @@ def _marked(mesh: Mesh, request: MarkRequest) -> Embedding:
 
 
 def _with_id(mesh: Mesh, request: MarkRequest, reserve: float = 0.0) -> Owned:
-    return embed_repeated(mesh, request.key, id=request.id, strength=request.strength, reserve=reserve)
+    """Return the mark of the lower layer; a refusal says with how many bits fewer it would fit."""
+    try:
+        return embed_repeated(mesh, request.key, id=request.id, strength=request.strength, reserve=reserve)
+    except CapacityError as error:
+        raise CapacityError(f"{error}{fewer_bits_that_fit(mesh, request)}") from None
 
 
 def _verified(below: Owned, mesh: Mesh, request: MarkRequest, remarks: tuple[str, ...] = ()) -> Embedding:
     """Return the ownership layer alone, verified."""
     result = Embedding(
         mesh=below.mesh,
-        id=request.id,
+        id=told_id(request.id),
         strength=request.strength,
         ownership=below.mark,
         authentication=None,
@@ -222,7 +239,7 @@ def _on_top(below: Owned | None, original: Mesh, request: MarkRequest) -> Embedd
         ownership = replace(below.mark, carriers=upper.carriers)
     return Embedding(
         mesh=upper.mesh,
-        id=request.id,
+        id=told_id(request.id),
         strength=request.strength,
         ownership=ownership,
         authentication=upper.mark,

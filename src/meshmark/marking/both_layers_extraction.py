@@ -99,7 +99,7 @@ def extract(
         cut=cut,
         among=among,
     )
-    agreed = len(found.ids) == 1 and all(entry.id == found.id for entry in marks)
+    agreed = (len(found.ids) == 1 or found.bits == 0) and all(entry.id == found.id for entry in marks)
     averaged = len(found.ids) > 1 and not marks
     parts = () if agreed or averaged else tuple(_parts(mesh, key, end, among))
     result = one_answer(found, marks, parts, key=key, reference=reference)

@@ -8,7 +8,7 @@ from functools import cached_property
 from math import isinf
 from typing import TYPE_CHECKING, Any
 
-from meshmark.coding.message import format_id
+from meshmark.coding.message import bits_of, format_id
 from meshmark.mesh import Mesh
 from meshmark.notebook import notebook_table
 from meshmark.ownership.ownership_mark import OwnershipMark
@@ -38,14 +38,15 @@ class AuthenticationMark:
 class Embedding:
     """A marked mesh, each layer of which was read back from the positions that its file can hold.
 
-    mesh: write it with `write_mesh(embedding.mesh, path)`. id: the 64-bit id. strength: "subtle", "standard" or
+    mesh: write it with `write_mesh(embedding.mesh, path)`. id: of 64 or 32 bits, None where the mark carries
+    none. strength: "subtle", "standard" or
     "strong". ownership, authentication: the layers, None for one that was not embedded. displacement: of the
     vertices, by all layers together. remarks: sentences about how the file was read, what was left out, and what a
     conversion dropped. seconds: wall-clock time. seal: adds to the certificate what takes the mark off again.
     """
 
     mesh: Mesh
-    id: int
+    id: int | None
     strength: str
     ownership: OwnershipMark | None
     authentication: AuthenticationMark | None
@@ -60,6 +61,11 @@ class Embedding:
         if self.ownership is None:
             return "authentication"
         return "ownership" if self.authentication is None else "both"
+
+    @property
+    def bits(self) -> int:
+        """Return of how many bits the id is; 0 where there is none."""
+        return 0 if self.id is None else bits_of(self.id)
 
     @property
     def vertices(self) -> int:
@@ -129,7 +135,7 @@ class Embedding:
         return notebook_table(
             "Marked",
             [
-                ("Id", format_id(self.id)),
+                ("Id", "none" if self.id is None else format_id(self.id)),
                 ("Layers", self.layers),
                 ("Strength", self.strength),
                 ("Size", f"{self.vertices:,} vertices, {self.faces:,} faces"),
@@ -140,10 +146,11 @@ class Embedding:
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the JSON fields: the id in hexadecimal, null for what a layer that is not there would have."""
+        """Return the JSON fields: the id in hexadecimal, null for what is not there."""
         psnr = self.psnr_db
         return {
-            "id": format_id(self.id),
+            "id": None if self.id is None else format_id(self.id),
+            "bits": self.bits,
             "layers": self.layers,
             "vertices": self.vertices,
             "faces": self.faces,

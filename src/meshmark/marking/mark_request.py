@@ -7,7 +7,7 @@ from typing import Final
 
 from meshmark.authentication.payload.content import Asked, Content, content_of
 from meshmark.coding.keys import Key
-from meshmark.coding.message import check_id, random_id
+from meshmark.coding.message import ID_BITS, requested_id
 from meshmark.errors import InputError
 from meshmark.strengths import check_strength
 
@@ -22,13 +22,15 @@ WEB_FORMATS: Final = ("glb", "gltf")
 class MarkRequest:
     """The arguments of `embed`, checked, with the payload's file read and the id drawn.
 
-    layers: one of `LAYERS`, None for both where they fit. tolerance: as in `precisions_of`. optional: the
-    authentication layer may be left out where it does not fit. web_first: the tolerance "web" is tried first.
-    shown: how the model's file shows something else than its surface (`shown_otherwise.packed_deviations`).
+    id: of so many bits, as `coding.message` counts them. layers: one of `LAYERS`, None for both where they fit.
+    tolerance: as in `precisions_of`. optional: the authentication layer may be left out where it does not fit.
+    web_first: the tolerance "web" is tried first. shown: how the model's file shows something else than its
+    surface (`shown_otherwise.packed_deviations`).
     """
 
     key: Key
     id: int
+    bits: int
     strength: str
     layers: str | None
     content: Asked
@@ -43,6 +45,7 @@ class MarkRequest:
         key: Key,
         *,
         id: int | None,
+        bits: int = ID_BITS,
         strength: str,
         layers: str | None,
         payload: Content,
@@ -53,7 +56,7 @@ class MarkRequest:
         if layers is not None and layers not in LAYERS:
             raise InputError(f"unknown layers '{layers}', expected one of {', '.join(LAYERS)}")
         content = content_of(payload)
-        identity = random_id() if id is None else check_id(id)
+        identity = requested_id(id, bits)
         if layers == "ownership" and tolerance is not None:
             raise InputError(
                 "a tolerance is one of authentication marks, expected layers both or authentication"
@@ -62,9 +65,17 @@ class MarkRequest:
             raise InputError(
                 "a payload needs the authentication layer, expected layers both or authentication"
             )
+        if bits != ID_BITS:
+            asked = layers not in (None, "ownership") or tolerance is not None
+            if asked or (payload is not None and content.kind != "none"):
+                raise InputError(
+                    f"marks of authentication are signed with an id of {ID_BITS} bits, expected no layers, payload "
+                    f"or tolerance of theirs with {bits} bits"
+                )
         return cls(
             key=key,
             id=identity,
+            bits=bits,
             strength=strength,
             layers=layers,
             content=content,

@@ -9,6 +9,7 @@ from meshmark.authentication.examination import Examination
 from meshmark.authentication.payload.content import Content
 from meshmark.certificate.certificate import Certificate
 from meshmark.coding.keys import Key
+from meshmark.coding.message import bits_of
 from meshmark.errors import CapacityError
 from meshmark.marking.both_layers import embed_for
 from meshmark.marking.mark_request import MarkRequest
@@ -118,6 +119,7 @@ def _made(original: Mesh, key: Key, found: Examination, settings: _Settings) -> 
     request = MarkRequest.checked(
         key,
         id=found.id,
+        bits=64 if found.id is None else bits_of(found.id),
         strength=settings.strength,
         layers=settings.layers,
         payload=settings.payload,

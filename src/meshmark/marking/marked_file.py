@@ -31,6 +31,7 @@ def embed_file(
     key: Key,
     *,
     id: int | None = None,
+    bits: int = 64,
     strength: str = "standard",
     layers: str | None = None,
     payload: Content = None,
@@ -50,7 +51,7 @@ def embed_file(
     out : path
         The marked file; its extension says its format.
     key : Key
-    id, strength, layers, payload, tolerance
+    id, bits, strength, layers, payload, tolerance
         As in `embed`.
     recompress : bool
         Write a compressed glTF compressed as it was, not uncompressed with a remark.
@@ -77,7 +78,7 @@ def embed_file(
     if recompress:
         check_recompression(mesh, Path(out))
     request = MarkRequest.checked(
-        key, id=id, strength=strength, layers=layers, payload=payload, tolerance=tolerance
+        key, id=id, bits=bits, strength=strength, layers=layers, payload=payload, tolerance=tolerance
     )
     result = embed_for(mesh, request, _goes_to(mesh, Path(out)))
     seen: list[Mesh] = []
@@ -96,7 +97,7 @@ def embed_file(
         remarks = tuple(f"{name}: {remark}" for remark in mesh.document.remarks) + remarks
     if report.dropped:
         remarks += (f"{Path(out).name} cannot hold the model's {', '.join(report.dropped)}",)
-    result = _as_written(result, mesh, seen[0], key)
+    result = _as_written(result, mesh, seen[0], request)
     return replace(result, seconds=perf_counter() - start, remarks=remarks)
 
 
@@ -108,10 +109,12 @@ def _goes_to(mesh: Mesh, out: Path) -> str | None:
     return None if mesh.document is None else mesh.document.format
 
 
-def _as_written(result: Embedding, original: Mesh, written: Mesh, key: Key) -> Embedding:
+def _as_written(result: Embedding, original: Mesh, written: Mesh, request: MarkRequest) -> Embedding:
     """Return the result with the certificate of the written file; no undo data where its vertices differ."""
     same = original.vertices.shape == written.vertices.shape and np.array_equal(original.faces, written.faces)
-    seal = partial(sealed, original=original if same else None, marked=written, key=key, identity=result.id)
+    seal = partial(
+        sealed, original=original if same else None, marked=written, key=request.key, identity=request.id
+    )
     return replace(result, seal=seal)
 
 

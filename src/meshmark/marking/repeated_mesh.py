@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from meshmark.coding.keys import Key
+from meshmark.coding.message import bits_of
 from meshmark.errors import CapacityError
 from meshmark.mesh import Mesh
 from meshmark.ownership.embedding import Owned, embed
@@ -22,20 +23,23 @@ def embed_repeated(
     ----------
     mesh : Mesh
         Any, or one that stands for the copies of its scene.
-    key, id, strength, reserve
+    id : int
+        Of 64 or 32 bits, or `PRESENCE`, as `coding.message` counts them.
+    key, strength, reserve
         As in `ownership.embedding.embed`, which also raises what this raises.
 
     Returns
     -------
     Owned
     """
+    bits = bits_of(id)
     try:
-        return embed(mesh, key, id=id, strength=strength, reserve=reserve)
+        return embed(mesh, key, id=id, bits=bits, strength=strength, reserve=reserve)
     except CapacityError:
         scene = scene_of(mesh)
         piece = None if scene is None else scene.repeated(mesh)
         if piece is None:
             raise
-        found = embed(piece.mesh, key, id=id, strength=strength, reserve=reserve)
+        found = embed(piece.mesh, key, id=id, bits=bits, strength=strength, reserve=reserve)
         mark = replace(found.mark, repeated_only=True)
         return Owned(mesh=piece.back(found.mesh.vertices), mark=mark)

@@ -6,6 +6,7 @@ from meshmark.authentication.checks.checks import check
 from meshmark.authentication.examination import Examination, examine
 from meshmark.authentication.parameters import MARKED_LOG10
 from meshmark.coding.keys import Key
+from meshmark.coding.message import ID_BITS, bits_of
 from meshmark.errors import CapacityError
 from meshmark.marking.embedding_result import Embedding
 from meshmark.mesh import Mesh
@@ -37,7 +38,8 @@ def verify(
         same_format = "or the format of the input"
         advice = (f"use --strength strong {same_format}", f"use --tolerance tolerant {same_format}")
     if expected.layers == "ownership":
-        identity = extract(mesh, key, search="plain").id
+        read = extract(mesh, key, search="plain")
+        identity, bits = read.id, read.bits
         if _has_marks(mesh, key, expected.id):
             raise CapacityError(
                 "the model carries authentication marks of this key already, and beside a new id they would call "
@@ -47,19 +49,20 @@ def verify(
         found = examine(mesh, key)
         if not authentic(found, expected.id):
             raise CapacityError(f"the marks of authentication {coarse}; {advice[1]}")
-        identity = extract(mesh, key).id if expected.layers == "both" else found.id
-    if identity != expected.id:
-        raise CapacityError(f"the id {coarse}; {advice[0]}")
+        identity, bits = extract(mesh, key).id if expected.layers == "both" else found.id, expected.bits
+    if (identity, bits) != (expected.id, expected.bits):
+        raise CapacityError(f"the {'id' if expected.bits else 'mark'} {coarse}; {advice[0]}")
 
 
-def _has_marks(mesh: Mesh, key: Key, identity: int) -> bool:
+def _has_marks(mesh: Mesh, key: Key, identity: int | None) -> bool:
     """Return whether a mesh has marks of authentication, of this id or of the one that they tell."""
     surface = marked_surface(mesh)
-    checks = (check(surface, key, nonce) for nonce in (None, identity))
+    signed = identity is not None and bits_of(identity) == ID_BITS
+    checks = (check(surface, key, nonce) for nonce in ((None, identity) if signed else (None,)))
     return any(each.speak and each.log10_chance <= MARKED_LOG10 for each in checks)
 
 
-def authentic(found: Examination, identity: int) -> bool:
+def authentic(found: Examination, identity: int | None) -> bool:
     """Return whether `authenticate` calls a model authentic by its marks, with this id."""
     intact = found.marked and not found.altered.any() and not found.points_missing
-    return intact and found.id == identity
+    return intact and identity is not None and found.id == identity

@@ -6,6 +6,7 @@ import numpy as np
 
 from meshmark.coding.chance import believable
 from meshmark.coding.codec import Codec
+from meshmark.coding.message import PRESENCE, bits_of
 from meshmark.ownership.carriers.reading import Reading
 from meshmark.ownership.decoding import Found
 from meshmark.ownership.extraction_result import Evidence, Extraction
@@ -25,11 +26,13 @@ def extraction_of(found: Found, codec: Codec, mode: str, seconds: float) -> Extr
         lock = reading.score / float(reading.keys.weight.sum())
     presence, advice = _in_words(found, mode, agreeing)
     layer = "points" if reading is not None and reading.at_points else "cells"
-    shown = found.ids or ((None,) if found.present else ())
+    ids = tuple(each for each in found.ids if each != PRESENCE)
+    shown = ids or ((None,) if found.present else ())
     return Extraction(
         presence=presence,
-        id=found.id,
-        ids=found.ids,
+        id=ids[0] if len(ids) == 1 else None,
+        ids=ids,
+        bits=bits_of(found.ids[0]) if found.ids else None,
         log10_false_positive=bound,
         mode=mode,
         carriers=found.carriers,
@@ -51,11 +54,14 @@ def _in_words(found: Found, mode: str, agreeing: int) -> tuple[str, str]:
     if found.ids and agreeing < LARGELY * found.carriers:
         return (
             "present",
-            f"The mark was read, though only {agreeing} of its {found.carriers} places still agree.",
+            f"The mark was read, though only {agreeing} of its {found.carriers} places still agree"
+            f"{'; it carries no id' if found.ids == (PRESENCE,) else ''}.",
         )
     if found.ids:
         mirrored = found.reading is not None and found.reading.mirrored
-        return "present", f"The mark was read{' in the mirror image of the model' if mirrored else ''}."
+        where = " in the mirror image of the model" if mirrored else ""
+        none = ", which carries no id" if found.ids == (PRESENCE,) else ""
+        return "present", f"The mark was read{where}{none}."
     if found.present:
         return "present", "A mark of this key is there, but too damaged to read its id."
     if found.stopped:

@@ -1,19 +1,32 @@
-"""Decoding of one reading: the id, two ids of an average, or listed ids, and the bound on a false alarm."""
+"""Decoding of one reading: the id, two of an average, listed ones, or fewer bits; the bound on a false alarm."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from math import log, log10
 
 import numpy as np
 
-from meshmark.coding.codec import CHECK_WORD_LIMIT, Codec
+from meshmark.coding.codec import CHECK_WORD_LIMIT, Codec, Decoded
+from meshmark.coding.message import PRESENCE
 from meshmark.coding.word_list import WordList
 from meshmark.mesh import FloatArray
 from meshmark.ownership.carriers.reading import Reading
-from meshmark.ownership.parameters import CREDIBLE_LOG10, PRESENT_LOG10, PROVEN_LOG10
+from meshmark.ownership.parameters import (
+    CREDIBLE_LOG10,
+    FURTHER_SHARE,
+    PRESENCE_LOG10,
+    PRESENT_LOG10,
+    PROVEN_LOG10,
+)
 
 __all__ = ["Found", "Listed", "decoded", "lock_bound"]
+
+
+# What is left, of what chance may do, for ids of 64 bits.
+_FIRST_SHARE = 1.0 - 2.0 * FURTHER_SHARE
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -21,11 +34,11 @@ class Found:
     """The reading that a search ended with, None where there was nothing to read, and the ids behind it.
 
     present: a mark of this key is there. ids: one, several where copies were averaged, none where only the lock
-    shows it.
+    shows it; `PRESENCE` alone of the mark without an id.
     log10_false_positive: bound on the chance of this without a mark, over all that was tried.
     stopped: the time ran out before the search was at its end.
-    log10_words: for each id a bound on the chance that a reading of something else tells it, over all that was
-    decoded: without the lock, which is no chance where another mark of this key is there.
+    log10_words: for each id but `PRESENCE` a bound on the chance that a reading of something else tells it, over
+    all that was decoded: without the lock, which is no chance where another mark of this key is there.
     """
 
     reading: Reading | None
@@ -61,14 +74,16 @@ def decoded(codec: Codec, reading: Reading, listed: Listed, decodings: float = 1
 
     A round shape half a step too large or too small locks as well, with every bit turned round. Where the lock is
     credible, less evidence is asked of the word alone: the bound of both together is asked for in any case, and
-    pays for each of the ways in which the reading is decoded.
+    pays for each of the ways in which the reading is decoded. Ids of 32 bits, and the mark without one, are looked
+    for there last, at a small share of what chance may do.
     """
     observed, credible = reading.observed(), _is_credible(reading)
     ways = (3 if credible else 1) + bool(listed.ids)  # the word, its complement and a pair; the list
+    left = _FIRST_SHARE if credible else 1.0
     charged = _Charged(
-        lock=ways * reading.hypotheses,
-        word=log10((2.0 * (ways - 1) if listed.ids else ways) * decodings),
-        listed=log10(2.0 * decodings),
+        lock=ways * reading.hypotheses / left,
+        word=log10((2.0 * (ways - 1) if listed.ids else ways) * decodings / left),
+        listed=log10(2.0 * decodings / left),
     )
     if credible and (pair := _pair(codec, reading, observed, charged)) is not None:
         return pair
@@ -76,18 +91,52 @@ def decoded(codec: Codec, reading: Reading, listed: Listed, decodings: float = 1
     if named is not None and len(named.ids) > 1:  # of an average the likeliest word alone is one of them
         return named
     limit = _word_limit(reading)
-    for signed in (observed, -observed) if credible else (observed,):
-        word = codec.decode(signed, limit)
-        bound = _log10_bound(reading.log10_chance + word.log10_chance, charged.lock)
-        if word.id is not None and bound <= PRESENT_LOG10:
-            return Found(
-                reading=reading,
-                ids=(word.id,),
-                present=True,
-                log10_false_positive=bound,
-                log10_words=(word.log10_chance + charged.word,),
-            )
-    return named
+    decode = partial(codec.decode, log10_limit=limit)
+    word = _better_way(decode, observed) if credible else decode(observed)
+    bound = _log10_bound(reading.log10_chance + word.log10_chance, charged.lock)
+    if word.id is not None and bound <= PRESENT_LOG10:
+        return Found(
+            reading=reading,
+            ids=(word.id,),
+            present=True,
+            log10_false_positive=bound,
+            log10_words=(word.log10_chance + charged.word,),
+        )
+    if named is not None or not credible:
+        return named
+    return _short(codec, reading, observed, decodings) or _presence(codec, reading, observed)
+
+
+def _better_way(decode: Callable[[FloatArray], Decoded], observed: FloatArray) -> Decoded:
+    """Return what is decoded from a reading as it is or with every bit turned round, whichever is less of a chance.
+
+    Words of a code may agree with four fifths of the complement of another: the first that passes may be wrong.
+    """
+    return min((decode(signed) for signed in (observed, -observed)), key=lambda word: word.log10_chance)
+
+
+def _short(codec: Codec, reading: Reading, observed: FloatArray, decodings: float) -> Found | None:
+    """Return the id of 32 bits that a reading tells, as it is or with every bit turned round."""
+    word = _better_way(partial(codec.decode_short, log10_limit=PROVEN_LOG10), observed)
+    bound = _log10_bound(reading.log10_chance + word.log10_chance, 2.0 * reading.hypotheses / FURTHER_SHARE)
+    if word.id is None or bound > PRESENT_LOG10:
+        return None
+    return Found(
+        reading=reading,
+        ids=(word.id,),
+        present=True,
+        log10_false_positive=bound,
+        log10_words=(word.log10_chance + log10(2.0 * decodings / FURTHER_SHARE),),
+    )
+
+
+def _presence(codec: Codec, reading: Reading, observed: FloatArray) -> Found | None:
+    """Return that a reading is one of the mark without an id, where its word is that of this mark."""
+    chance = codec.presence_chance(observed)
+    bound = _log10_bound(reading.log10_chance + chance, reading.hypotheses / FURTHER_SHARE)
+    if chance > PRESENCE_LOG10 or bound > PRESENT_LOG10:
+        return None
+    return Found(reading=reading, ids=(PRESENCE,), present=True, log10_false_positive=bound)
 
 
 @dataclass(frozen=True, kw_only=True)

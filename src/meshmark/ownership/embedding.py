@@ -8,7 +8,7 @@ from math import sqrt
 import numpy as np
 
 from meshmark.coding.keys import Key
-from meshmark.coding.message import check_id, random_id
+from meshmark.coding.message import requested_id
 from meshmark.errors import CapacityError, InputError
 from meshmark.geometry.surface_of import surface_of_moved
 from meshmark.mesh import Mesh
@@ -37,9 +37,15 @@ TOUGH, MOSTLY_PLANE = 0.7, 0.4
 
 @on_one_thread
 def embed(
-    mesh: Mesh, key: Key, *, id: int | None = None, strength: str = "standard", reserve: float = 0.0
+    mesh: Mesh,
+    key: Key,
+    *,
+    id: int | None = None,
+    bits: int = 64,
+    strength: str = "standard",
+    reserve: float = 0.0,
 ) -> Owned:
-    """Put a 64-bit id into a mesh, as tough as the strength allows.
+    """Put an id into a mesh, as tough as the strength allows.
 
     The cells of the surface carry it, those that leave planes plane if they are enough, or, where they cannot, as
     on coarse models, its points. Of a few steps, from the one that bears most noise within the budget down, the
@@ -50,7 +56,10 @@ def embed(
     mesh : Mesh
     key : Key
     id : int, optional
-        64 bits; drawn at random where it is left out.
+        Drawn at random where it is left out.
+    bits : int
+        Of the id: 64, or 32 for models that cannot carry as many; 0: a mark without an id, which says that it is
+        there.
     strength : str
         "subtle", "standard" or "strong": visible on about 0.3, 2.5 or 20 % of the surface, with an RMS displacement
         of at most 0.02, 0.08 or 0.2 % of the bounding-box diagonal of the vertices that faces use.
@@ -66,9 +75,9 @@ def embed(
     InputError
         An argument cannot be used.
     CapacityError
-        The mesh cannot carry 64 bits.
+        The mesh cannot carry so many bits.
     """
-    identity = random_id() if id is None else check_id(id)
+    identity = requested_id(id, bits)
     budget = BUDGETS[check_strength(strength)]
     if not 0.0 <= reserve < budget:
         raise InputError(f"a reserve of {reserve:g} is out of range, expected 0 to the budget {budget:g}")

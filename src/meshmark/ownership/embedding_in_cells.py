@@ -31,7 +31,7 @@ from meshmark.ownership.parameters import (
 from meshmark.ownership.search.search import Search
 from meshmark.ownership.search.trials import TrialCounter
 from meshmark.ownership.shaping import Shaping
-from meshmark.ownership.shortfall import too_long, why_not
+from meshmark.ownership.shortfall import Counted, too_long, what, why_not
 from meshmark.ownership.vertex_displacement import displacement_rms
 
 __all__ = ["embed_in_cells"]
@@ -49,18 +49,22 @@ def embed_in_cells(task: EmbeddingTask, *, still: NDArray[np.bool_] | None = Non
     patch = preferred_spacings(frame.area)[0] * frame.scale
     longest = task.surface.mean_face_length / patch
     if longest > LONG_EDGES[1]:
-        raise CapacityError(too_long(longest, task.strength))
+        raise CapacityError(too_long(longest, task.bits, task.strength))
     nearest: tuple[tuple[bool, int], str] | None = None
+    least = CARRIER_MINIMUM[task.bits]
     for shaping in _shapings(task, one=longest > LONG_EDGES[0], still=still):
-        carriers = shaping.carriers if shaping.capacity >= CARRIER_MINIMUM else shaping.capacity
-        tried = carriers >= CARRIER_MINIMUM and shaping.bits >= HOPELESS_BITS
+        carriers = shaping.carriers if shaping.capacity >= least else shaping.capacity
+        tried = carriers >= least and shaping.bits >= HOPELESS_BITS[task.bits]
         if nearest is None or (tried, carriers) > nearest[0]:
-            reason = why_not(shaping.surroundings, carriers, shaping.capacity, task.strength, tried)
+            counted = Counted(
+                bits=task.bits, carriers=carriers, capacity=shaping.capacity, strength=task.strength
+            )
+            reason = why_not(shaping.surroundings, counted, tried)
             nearest = (tried, carriers), reason
         if tried and (found := _read_back(task, shaping)) is not None:
             return found
     raise CapacityError(
-        nearest[1] if nearest is not None else "the model has no surface that could carry 64 bits"
+        nearest[1] if nearest is not None else f"the model has no surface that could carry {what(task.bits)}"
     )
 
 
@@ -74,7 +78,7 @@ def _shapings(task: EmbeddingTask, *, one: bool, still: NDArray[np.bool_] | None
     rich, scarce = 0, []
     for spacing in spacings:
         lattice = Lattice.keyed(task.key, spacing, task.label)
-        shaping = Shaping(surface, lattice, task.bits, task.seen, task.share, still=still)
+        shaping = Shaping(surface, lattice, task.word, task.seen, task.share, still=still)
         if shaping.capacity < CARRIER_ENOUGH:
             scarce.append(shaping)
             continue
@@ -108,6 +112,7 @@ def _read_back(task: EmbeddingTask, shaping: Shaping) -> Owned | None:
                 label=shaping.lattice.label,
                 spacing=shaping.lattice.spacing,
                 step=float(step),
+                bits=task.bits,
             )
             return Owned(mesh=marked, mark=mark, folded=shaping.surroundings.folded)
     return None

@@ -9,6 +9,7 @@ import numpy as np
 
 from meshmark.coding.codec import Codec
 from meshmark.coding.keys import Key
+from meshmark.coding.message import bits_of
 from meshmark.coding.polar import Bits
 from meshmark.geometry.plane_patches import PlanePatches
 from meshmark.geometry.surface import Surface
@@ -45,6 +46,7 @@ class Owned:
 class EmbeddingTask:
     """An id to be put into a mesh.
 
+    identity: of 64 or 32 bits, or `PRESENCE`, as `coding.message` counts them.
     strength: "subtle", "standard" or "strong"; rms: displacement at most, over the diagonal.
     """
 
@@ -74,8 +76,13 @@ class EmbeddingTask:
         """Of the lattices that the mark lies in."""
         return Label.of_shape(self.surface.invariants, self.key)
 
+    @property
+    def bits(self) -> int:
+        """How many bits the id has: 64 or 32; 0: there is none."""
+        return bits_of(self.identity)
+
     @cached_property
-    def bits(self) -> Bits:
+    def word(self) -> Bits:
         """The code word of the id."""
         return Codec(self.key).encode(self.identity)
 

@@ -121,9 +121,9 @@ def find(search: Search, chosen: Callable[[Strategy], bool] | None = None) -> Fo
                 if (limit is None or reading.log10_chance <= limit) and (
                     found := decoded(codec, reading, listed, search.trials.charge_decoding())
                 ):
-                    if search.sure is None or min(found.log10_words) <= search.sure:
+                    if search.sure is None or _sureness(found) <= search.sure:
                         return found
-                    if unsure is None or min(found.log10_words) < min(unsure.log10_words):
+                    if unsure is None or _sureness(found) < _sureness(unsure):
                         unsure = found
     except OutOfTimeError:
         stopped = True
@@ -138,6 +138,11 @@ def find(search: Search, chosen: Callable[[Strategy], bool] | None = None) -> Fo
         log10_false_positive=bound,
         stopped=stopped,
     )
+
+
+def _sureness(found: Found) -> float:
+    """Return log10 of the chance of the surest id; a mark without one is never sure whose it is."""
+    return min(found.log10_words, default=0.0)
 
 
 def _better(one: Reading | None, other: Reading) -> Reading:

@@ -19,9 +19,10 @@ _DIAGNOSTIC = ("carriers", "carriers_agreeing", "lock_score")
 class Evidence:
     """What one layer of a model says.
 
-    layer: "cells" or "points" (the ownership layer), or "authentication"; id: the 64-bit id, None where there is a
-    mark whose id cannot be read. log10_false_positive: bound on the chance of this without a mark of this key.
-    share: of the surface, 0 to 1: what marks of authentication vouch for, what was read of the ownership layer.
+    layer: "cells" or "points" (the ownership layer), or "authentication"; id: None where there is a mark that
+    carries none, or whose id cannot be read. log10_false_positive: bound on the chance of this without a mark of
+    this key. share: of the surface, 0 to 1: what marks of authentication vouch for, what was read of the
+    ownership layer.
     """
 
     layer: str
@@ -45,7 +46,8 @@ class Evidence:
 class Extraction:
     """What was read from a mesh.
 
-    presence: "present", "absent" or "inconclusive"; id: the 64-bit id, or None where none or several were read;
+    presence: "present", "absent" or "inconclusive"; id: None where none or several were read; bits: of the id, 64
+    or 32; 0 where a mark was read that carries none; None where no word was read.
     ids: all that were read, several of an average of copies, or where parts of the surface carry different ones.
     log10_false_positive: bound on the chance of this answer without a mark of this key, over all that was tried.
     mode: "blind", "certificate", "original" or "registry". carriers: cells, or coordinates of points,
@@ -67,6 +69,7 @@ class Extraction:
     seconds: float
     evidence: tuple[Evidence, ...] = ()
     ids: tuple[int, ...] = ()
+    bits: int | None = None
 
     def _repr_html_(self) -> str:
         present = self.presence == "present"

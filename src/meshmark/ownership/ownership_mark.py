@@ -10,15 +10,15 @@ __all__ = ["OwnershipMark", "noise_borne"]
 
 # A mark bears noise in proportion to its step, and about to this power of the number of code bits beyond those
 # needed.
-_NEEDED, _REDUNDANCY = 85, 0.5
+_NEEDED, _REDUNDANCY = {64: 85, 32: 54, 0: 12}, 0.5
 
 
-def noise_borne(step: float, bits: float) -> float:
-    """Return how much noise a mark of this step and this number of code bits bears.
+def noise_borne(step: float, carried: float, bits: int = 64) -> float:
+    """Return how much noise a mark of this step and this number of code bits bears, for an id of `bits`.
 
     In units that only compare marks of one surface, in cells or at points.
     """
-    return float(step * max(bits - _NEEDED, 0.0) ** _REDUNDANCY)
+    return float(step * max(carried - _NEEDED[bits], 0.0) ** _REDUNDANCY)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,7 +27,8 @@ class OwnershipMark:
 
     carriers: number of cells, or of coordinates of points, that an extraction reads. label, spacing: of the
     lattice, in canonical units. step: of the quantisation, in spacings. at_points: the carriers are points instead
-    of cells. repeated_only: the mark lies only in the part of the scene that is shown more than once.
+    of cells. repeated_only: the mark lies only in the part of the scene that is shown more than once. bits: of the
+    id, 64 or 32; 0: there is none.
     """
 
     carriers: int
@@ -36,8 +37,9 @@ class OwnershipMark:
     step: float
     at_points: bool = False
     repeated_only: bool = False
+    bits: int = 64
 
     @property
     def toughness(self) -> float:
         """Return about how much noise the mark bears (`noise_borne`)."""
-        return noise_borne(self.step, self.carriers)
+        return noise_borne(self.step, self.carriers, self.bits)

@@ -25,6 +25,7 @@ __all__ = [
     "DIVERGED",
     "EMBED_SELECTION",
     "EXTRACT_SELECTION",
+    "FURTHER_SHARE",
     "GATHER",
     "HOPELESS_BITS",
     "HOPELESS_ERROR",
@@ -43,6 +44,7 @@ __all__ = [
     "MOMENT_GAP",
     "NEEDED_BITS",
     "ORIGINAL_SPACINGS",
+    "PRESENCE_LOG10",
     "PRESENT_LOG10",
     "PROVEN_LOG10",
     "SOLVE_PASSES",
@@ -72,11 +74,12 @@ CARRIER_ENOUGH: Final = 230
 # An extraction that reads at least this number takes the spacing for such a one: more, as an attack may have lost
 # or added some.
 CARRIER_PLENTY: Final = 240
-# With fewer carriers of a 64-bit id no decoder can distinguish it from chance (decision 0004).
-CARRIER_MINIMUM: Final = 110
+# With fewer carriers of an id of so many bits no decoder can distinguish it from chance (decisions 0004, 0033).
+CARRIER_MINIMUM: Final = {64: 110, 32: 75, 0: 60}
 # Nor is it tried where the cells that are read yield fewer bits than this by hard decisions (64 are needed): of the
-# lattices of small training models those that could be read yielded 64 and more, and none of eleven below 50.
-HOPELESS_BITS: Final = 50.0
+# lattices of small training models those that could be read yielded 64 and more, and none of eleven below 50. Fewer
+# bits need fewer.
+HOPELESS_BITS: Final = {64: 50.0, 32: 25.0, 0: 8.0}
 # Fewer carriers than this are not read at all: nothing could be decided from them.
 CARRIER_READABLE: Final = 60
 # Nor are more than these: no embedding takes a spacing so fine, and what looks at pairs of cells would not fit.
@@ -175,6 +178,11 @@ PRESENT_LOG10: Final = -6.0
 # Where the lock is credible, an id is named if its word agrees so well by chance only (decision 0004): a tenth of
 # the bound above, as several readings of one mark are decoded.
 PROVEN_LOG10: Final = -7.0
+# Where the lock is credible, the words of ids of 32 bits and that of the mark without an id are looked for, too,
+# each at this share of what chance may do; and the latter is named where its word agrees so well by chance only
+# (decision 0033).
+FURTHER_SHARE: Final = 0.01
+PRESENCE_LOG10: Final = -3.0
 
 
 def preferred_spacings(area: float) -> list[float]:

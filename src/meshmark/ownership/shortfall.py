@@ -12,7 +12,7 @@ from meshmark.mesh import FloatArray, IntArray
 from meshmark.ownership.carriers.cells import PLANE_MASS, Cells
 from meshmark.ownership.parameters import CARRIER_MINIMUM, EXTRACT_SELECTION
 
-__all__ = ["Surroundings", "surroundings_of", "too_long", "why_not"]
+__all__ = ["Counted", "Surroundings", "surroundings_of", "too_long", "what", "why_not"]
 
 _SUBDIVIDE = "subdividing it once or twice first helps"
 _STRONGER = {"subtle": "standard", "standard": "strong"}
@@ -31,6 +31,16 @@ class Surroundings:
     scattered: float
     doubled: float
     longest: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Counted:
+    """An id of so many bits at a strength, and carriers: cells that can be set, of `capacity` that are read."""
+
+    bits: int
+    carriers: int
+    capacity: int
+    strength: str
 
 
 def surroundings_of(cells: Cells, placed: FloatArray, faces: IntArray) -> Surroundings:
@@ -53,9 +63,14 @@ def surroundings_of(cells: Cells, placed: FloatArray, faces: IntArray) -> Surrou
     )
 
 
-def too_long(longest: float, strength: str) -> str:
+def what(bits: int) -> str:
+    """Return what a model cannot carry, in words."""
+    return f"{bits} bits" if bits else "a mark of presence"
+
+
+def too_long(longest: float, bits: int, strength: str) -> str:
     """Return the sentence for a surface whose triangles are so long that its cells cannot be set."""
-    text = f"the model cannot carry 64 bits at strength {strength} in even patches of its surface"
+    text = f"the model cannot carry {what(bits)} at strength {strength} in even patches of its surface"
     return f"{text}: its triangles are {longest:.1f} times as long as a patch is wide"
 
 
@@ -69,13 +84,14 @@ def _mean(values: FloatArray, areas: FloatArray) -> float:
     return float(values @ areas) / max(float(areas.sum()), np.finfo(float).tiny)
 
 
-def why_not(found: Surroundings, carriers: int, capacity: int, strength: str, tried: bool) -> str:
-    """Return the sentence of a refusal.
-
-    carriers: cells that can be set, of `capacity` that an extraction reads; tried: with marks that were not read.
-    """
-    text = f"the model cannot carry 64 bits at strength {strength}: it needs about {CARRIER_MINIMUM} carriers"
-    if capacity < CARRIER_MINIMUM:
+def why_not(found: Surroundings, counted: Counted, tried: bool) -> str:
+    """Return the sentence of a refusal; tried: with marks that were not read."""
+    carriers, capacity, strength = counted.carriers, counted.capacity, counted.strength
+    least = CARRIER_MINIMUM[counted.bits]
+    text = (
+        f"the model cannot carry {what(counted.bits)} at strength {strength}: it needs about {least} carriers"
+    )
+    if capacity < least:
         return f"{text} (even patches of the surface), has {capacity}; {_uneven(found)}"
     if not tried:
         return (

@@ -7,7 +7,8 @@
       descriptor    of its shape (`shape_descriptor`), NULL where it is not known
       registered_at UTC, as all times are: "2026-11-29T13:40:00Z"
     copies       a marked copy, or an id that is held for one
-      id, key       16 hexadecimal digits of the id, and of the public fingerprint of the key: unique together
+      id, key       16 hexadecimal digits of the id, or 8 of one of 32 bits, and 16 of the public fingerprint of
+                    the key: unique together
       original_row  row of its original
       recipient     to whom it went, NULL where that was not said
       path          where the file was written

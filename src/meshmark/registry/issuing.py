@@ -21,7 +21,7 @@ from meshmark.authentication.payload.content import Content
 from meshmark.certificate.certificate import Certificate
 from meshmark.certificate.certificate_fields import read_fields
 from meshmark.coding.keys import Key
-from meshmark.coding.message import format_id
+from meshmark.coding.message import ID_BITS, format_id
 from meshmark.errors import OutputError, RegistryError
 from meshmark.io import Staging, input_files
 from meshmark.io.file_digest import digest_of_file
@@ -48,7 +48,8 @@ class Issue:
     """Copies of one model that are to be made.
 
     name: of its file; suffix: extension of the copies, with all its parts (".ply.gz"); folder: where they go, with
-    their certificates. strength, layers, payload, tolerance: as `embed` takes them. resume: go on with what is
+    their certificates. strength, layers, payload, tolerance, bits (64 or 32): as `embed` takes
+    them. resume: go on with what is
     there.
     """
 
@@ -61,6 +62,7 @@ class Issue:
     layers: str | None = None
     payload: Content = None
     tolerance: str | None = None
+    bits: int = ID_BITS
     resume: bool = False
 
     def path(self, recipient: Recipient) -> Path:
@@ -172,6 +174,7 @@ class _Making:
             self.path,
             plan.key,
             id=id,
+            bits=plan.bits,
             strength=plan.strength,
             layers=plan.layers,
             payload=plan.payload,
@@ -195,7 +198,9 @@ def _made(making: _Making, registry: Registry, row: Copy | None) -> Issued:
     if row is None or row.state != ISSUED:
         id = None if row is None else row.id
         with (
-            recorded(registry, making.original, key, path, id=id, recipient=making.recipient) as entry,
+            recorded(
+                registry, making.original, key, path, id=id, bits=making.plan.bits, recipient=making.recipient
+            ) as entry,
             staging,
         ):
             result = making.embedded(entry.id, staging)

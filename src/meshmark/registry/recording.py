@@ -79,6 +79,7 @@ def recorded(
     path: Path,
     *,
     id: int | None = None,
+    bits: int = 64,
     recipient: str | None = None,
 ) -> Iterator[Entry]:
     """Hold an id for a copy while it is made, and say that it is issued when the block is left.
@@ -89,7 +90,7 @@ def recorded(
     Raises `RegistryError` where the id is taken or the registry cannot be written.
     """
     place = Path(os.path.realpath(path))
-    held = registry.reserve(original, key.fingerprint, id=id, recipient=recipient, path=str(place))
+    held = registry.reserve(original, key.fingerprint, id=id, bits=bits, recipient=recipient, path=str(place))
     entry = Entry(registry=registry, key=key, original=original, id=held, recipient=recipient, path=place)
     try:
         yield entry

@@ -19,7 +19,7 @@ from typing import Self
 from sqlalchemy import Connection, exists, func, select, update
 from sqlalchemy.exc import IntegrityError
 
-from meshmark.coding.message import format_id, random_id
+from meshmark.coding.message import format_id, parse_id, random_id
 from meshmark.errors import RegistryError
 from meshmark.registry.connection import Database
 from meshmark.registry.database_tables import ISSUED, PENDING, copies, originals
@@ -78,6 +78,7 @@ class Registry:
         key: str,
         *,
         id: int | None = None,
+        bits: int = 64,
         recipient: str | None = None,
         path: str | None = None,
     ) -> int:
@@ -92,7 +93,9 @@ class Registry:
         key : str
             Public fingerprint of the key.
         id : int, optional
-            64 bits; drawn where it is left out, another than all of this key.
+            Drawn where it is left out, another than all of this key.
+        bits : int
+            Of the id that is drawn, 64 or 32.
         recipient, path : str, optional
             To whom the copy goes, and where its file.
 
@@ -107,7 +110,7 @@ class Registry:
         """
         values = {"key": key, "recipient": plain(recipient), "path": plain(path), "state": PENDING}
         for _ in range(_DRAWS):
-            wanted = format_id(random_id() if id is None else id)
+            wanted = format_id(random_id(bits) if id is None else id)
             try:
                 with self.database.writing() as connection:
                     row = row_of(connection, original)
@@ -116,11 +119,11 @@ class Registry:
                     ):
                         return id
                     connection.execute(copies.insert().values(**values, id=wanted, original_row=row))
-                return int(wanted, 16)
+                return parse_id(wanted)
             except IntegrityError:
                 if id is not None:
                     raise self.taken(id, key) from None
-        raise RegistryError(f"the registry {self.database.shown} has no free id, expected one of 2^64")
+        raise RegistryError(f"the registry {self.database.shown} has no free id, expected one of 2^{bits}")
 
     def complete(self, copy: Copy, certificate: str) -> None:
         """Enter how a copy was made, before its file takes its name.
@@ -240,7 +243,7 @@ class Registry:
             .order_by(copies.c.row)
         )
         with self.database.reading() as connection:
-            return tuple(int(each, 16) for each in connection.execute(query).scalars())
+            return tuple(parse_id(each) for each in connection.execute(query).scalars())
 
     def typical_certificates(self, original: str, key: str, most: int) -> list[str]:
         """Return one certificate for each of the commonest ways in which copies of an original are marked."""

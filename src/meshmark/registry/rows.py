@@ -8,7 +8,7 @@ from typing import Any
 from sqlalchemy import Connection, Row, Select, select
 from sqlalchemy.dialects import postgresql, sqlite
 
-from meshmark.coding.message import format_id
+from meshmark.coding.message import format_id, parse_id
 from meshmark.errors import InputError
 from meshmark.registry.database_tables import copies, originals
 from meshmark.registry.records import Copy, MarkedWith, Original
@@ -41,7 +41,7 @@ def copy_of(row: Row[Any]) -> Copy:
     values = row._mapping
     mark = None if values["lattice"] is None else MarkedWith(**{name: values[name] for name in _MARK})
     return Copy(
-        id=int(values["id"], 16),
+        id=parse_id(values["id"]),
         original=values["digest"],
         original_name=values["name"],
         mark=mark,

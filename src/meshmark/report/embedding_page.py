@@ -56,7 +56,7 @@ def embedding_report(original: Mesh, made: Embedding, origin: Provenance) -> Rep
         answer="marked",
         tone="good",
         heading="Marked",
-        lead=f"The model carries the id {format_id(made.id)}. It was read back from the file with the key alone. "
+        lead=f"The model carries {_carried(made)}. It was read back from the file with the key alone. "
         f"{sentences}".rstrip(),
         next="Keep the certificate, if you had one made: with it, the mark is found in badly damaged copies, too.",
         facts=_facts(made),
@@ -67,9 +67,13 @@ def embedding_report(original: Mesh, made: Embedding, origin: Provenance) -> Rep
     )
 
 
+def _carried(made: Embedding) -> str:
+    return "a mark without an id" if made.id is None else f"the id {format_id(made.id)}"
+
+
 def _facts(made: Embedding) -> list[tuple[str, str]]:
     rows = [
-        ("Id", format_id(made.id)),
+        ("Id", "none" if made.id is None else format_id(made.id)),
         ("Layers", {"both": "ownership and authentication"}.get(made.layers, made.layers)),
         ("Strength", made.strength),
         ("Size", f"{made.vertices:,} vertices, {made.faces:,} faces"),
@@ -79,7 +83,9 @@ def _facts(made: Embedding) -> list[tuple[str, str]]:
         ),
     ]
     if made.ownership is not None:
-        rows.append(("Ownership", f"the id in {made.carriers:,} places"))
+        rows.append(
+            ("Ownership", f"{'the mark' if made.id is None else 'the id'} in {made.carriers:,} places")
+        )
     if made.authentication is not None:
         mark = made.authentication
         payload = f", {mark.payload_bytes:,} bytes of payload" if mark.payload_bytes else ""

@@ -87,6 +87,8 @@ def _heading(found: Extraction) -> str:
 
 def _lead(found: Extraction, recipients: Sequence[str]) -> str:
     if not found.ids:
+        if found.bits == 0:
+            return "It carries no id."
         return "" if found.presence != "present" else "Its id cannot be read."
     issued = f", issued to {', '.join(recipients)}" if recipients else ""
     if len(found.ids) == 1:
@@ -118,7 +120,7 @@ def _evidence(found: Extraction) -> list[Table]:
     rows = tuple(
         (
             _LAYERS[each.layer],
-            "not read" if each.id is None else format_id(each.id),
+            ("none" if found.bits == 0 else "not read") if each.id is None else format_id(each.id),
             in_words(band(each.log10_false_positive)).replace("^-", "^−"),
             f"{100 * each.share:.0f} %",
         )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from meshmark.coding.codec import LENGTH
+from meshmark.coding.keyed_code import LENGTH
 from meshmark.ownership.carriers.lattice_label import Label
 from meshmark.ownership.points.parameters import SIDE
 from meshmark.ownership.points.point_lattice import PointLattice, distinct_cubes

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from meshmark.coding.codec import LENGTH
 from meshmark.coding.keyed import rotation
+from meshmark.coding.keyed_code import LENGTH
 from meshmark.geometry.areas import area_vectors
 from meshmark.geometry.frame import Frame, canonical_frame
 from meshmark.geometry.joints import NEAR
@@ -68,10 +68,10 @@ def shaped(name: str, mode: int, step: int = 10, share: float = 1.0) -> Shaped:
 def shape(mesh: Mesh, choice: Choice) -> Shaped:
     task = EmbeddingTask(mesh=mesh, key=KEY, identity=ID, strength="standard", rms=1.0)
     lattice = PointLattice.keyed(KEY, task.label)
-    shaping = PointShaping(task.surface, lattice, task.bits, largest=LARGEST["standard"], budget=BUDGET)
+    shaping = PointShaping(task.surface, lattice, task.word, largest=LARGEST["standard"], budget=BUDGET)
     points = shaping.shaped(choice)
     assert points is not None
-    return Shaped(task.surface, task.surface.moved(points), shaping, choice, lattice, task.bits)
+    return Shaped(task.surface, task.surface.moved(points), shaping, choice, lattice, task.word)
 
 
 CASES = [(name, mode) for name in SHAPES for mode in (0, 1, 2) if (name, mode) != ("table", 2)]
@@ -215,7 +215,7 @@ def test_what_cannot_be_moved_as_little_as_asked_is_given_up():
     task = EmbeddingTask(mesh=mesh, key=KEY, identity=ID, strength="standard", rms=1.0)
     lattice = PointLattice.keyed(KEY, task.label)
     # Its equal moments cannot be pushed apart by so little.
-    shaping = PointShaping(task.surface, lattice, task.bits, largest=1e-5, budget=BUDGET)
+    shaping = PointShaping(task.surface, lattice, task.word, largest=1e-5, budget=BUDGET)
     assert shaping.shaped(Choice(step=float(STEPS[0]), mode=0, share=1.0)) is None
 
 

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from meshmark.coding.codec import LENGTH
 from meshmark.coding.keyed import cell_words, offset, rotation, unit_interval
+from meshmark.coding.keyed_code import LENGTH
 from meshmark.coding.keys import Key
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.ownership.carriers.lattice_label import Label

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from meshmark.coding.codec import LENGTH
+from meshmark.coding.keyed_code import LENGTH
 from meshmark.mesh import FloatArray
 from meshmark.ownership.carriers.lattice import CellKeys
 from meshmark.ownership.carriers.lattice_label import Label

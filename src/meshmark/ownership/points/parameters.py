@@ -8,6 +8,7 @@ import numpy as np
 
 __all__ = [
     "DISTINCT_BITS",
+    "FEW_POINTS",
     "FREE",
     "GUARD",
     "KEPT_SHARE",
@@ -16,6 +17,7 @@ __all__ = [
     "MODES",
     "MOMENTS_APART",
     "MOST_POINTS",
+    "READABLE",
     "ROOM",
     "SHARES",
     "SIDE",
@@ -35,8 +37,11 @@ MODES: Final = ((2, 1, 0), (2, 1, 1), (2, 2, 2), (3, 3, 3))
 KEPT_SHARE: Final = 0.85
 # Shares of the coordinates that carry, drawn by the key: fewer, moved further, bear more noise.
 SHARES: Final = (1.0, 0.5, 0.25, 0.125, 0.0625)
-# With fewer code bits no id is read back: 64, and what the hypotheses of an extraction take.
-DISTINCT_BITS: Final = 88
+# With fewer code bits no id of so many bits is read back: those, and what the hypotheses of an extraction take.
+DISTINCT_BITS: Final = {64: 88, 32: 56, 0: 14}
+# Of surfaces with fewer points than this, which cannot carry 64 bits, as few coordinates are read as this, else 40.
+FEW_POINTS: Final = 30
+READABLE: Final = (10, 40)
 # An eigenvalue of the star below this is a direction along the surface.
 FREE: Final = 0.02
 # Cost of moving along the surface, over that of leaving all the planes of a star.

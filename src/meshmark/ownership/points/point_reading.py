@@ -16,7 +16,8 @@ from meshmark.ownership.carriers.lock import LockSearch
 from meshmark.ownership.carriers.pose import Pose, moved_along
 from meshmark.ownership.carriers.reading import Reading
 from meshmark.ownership.points.carried_coordinates import Carried
-from meshmark.ownership.points.parameters import MODES, SHARES, SIDE, STEPS
+from meshmark.ownership.points.few_points import log10_lock_chance_of_few
+from meshmark.ownership.points.parameters import FEW_POINTS, MODES, READABLE, SHARES, SIDE, STEPS
 from meshmark.ownership.points.point_choice import Choice
 from meshmark.ownership.points.point_lattice import PointKeys, PointLattice
 
@@ -24,8 +25,8 @@ __all__ = ["CHOICES", "Framed", "PointLock"]
 
 CHOICES = len(STEPS) * len(MODES) * len(SHARES)
 """Number of choices of a step, a mode and a share."""
-# Fewer coordinates are not read, and more than these not where only the best choices are looked for.
-READABLE, SCREENED = 40, 8000
+# More coordinates are not read where only the best choices are looked for.
+SCREENED = 8000
 # Standard deviations of what is left to correct of a frame: in steps, and of a turn, besides, in radians, over the
 # gap between the second moments along the two axes that it turns, and at most; how many of them are looked at.
 EXPECTED, TURNED, TURNED_MOST, REACH = 0.25, 2e-5, 0.008, 2.5
@@ -50,7 +51,7 @@ class PointLock:
         choice = framed.best_share(self.choice)
         yield framed.reading(choice, hypotheses)
         carries = framed.carrying(choice)
-        if np.count_nonzero(carries) < READABLE:
+        if np.count_nonzero(carries) < READABLE[-1]:
             return
         turned = [TURNED / max(abs(moments[i - 1] - moments[i - 2]), TURNED / TURNED_MOST) for i in range(3)]
         expected = EXPECTED * choice.step + np.array([0.0] * 4 + turned)
@@ -134,7 +135,8 @@ class Framed:
             chances = []
             for mode, coordinates in enumerate(self.coordinates):
                 carries = (coordinates & room[:, None])[few][order]
-                chances += _chances(wave[carries], draw[carries], group[carries], float(step), mode)
+                lock = _Waves(wave=wave[carries], draw=draw[carries], group=group[carries])
+                chances += lock.chances(float(step), mode, self.readable)
             if chances:
                 chance, choice = min(chances, key=lambda entry: entry[0])
                 yield PointLock(log10_chance=chance, framed=self, choice=choice)
@@ -170,9 +172,24 @@ class Framed:
             keys=keys,
             phase=phase,
             score=score,
-            log10_chance=_log10_chance(score, float(square.sum())),
+            log10_chance=self._chance(score, square),
             hypotheses=hypotheses,
         )
+
+    @property
+    def readable(self) -> int:
+        """The number of coordinates from which on they are read."""
+        return READABLE[0] if self._is_few else READABLE[1]
+
+    @property
+    def _is_few(self) -> bool:
+        return len(self.points) < FEW_POINTS
+
+    def _chance(self, score: float, square: FloatArray) -> float:
+        """Return the chance of a lock from the squares of the sums of its groups (g,)."""
+        if self._is_few:
+            return log10_lock_chance_of_few(score, np.sqrt(square))
+        return _log10_chance(score, float(square.sum()))
 
 
 def _phases(places: FloatArray, step: float, dither: FloatArray) -> FloatArray:
@@ -185,28 +202,35 @@ def _summed(wave: NDArray[np.complex128], group: IntArray) -> tuple[FloatArray, 
     return real, real**2 + imaginary**2
 
 
-def _chances(
-    wave: NDArray[np.complex128], draw: FloatArray, group: IntArray, step: float, mode: int
-) -> list[tuple[float, Choice]]:
-    """Return the chance of the lock of each share that has coordinates enough; in the order of the draws (n,)."""
-    if not len(draw):
-        return []
-    row = np.arange(len(group))
-    first = np.empty(int(group.max()) + 1, np.int64)
-    first[group[::-1]] = row[::-1]  # where each group comes first: of several values the last one stays
-    first = np.flatnonzero(first[group] == row)
-    by_draw = group[first]  # groups in the order of their draws
-    real, square = (np.cumsum(each[by_draw]) for each in _summed(wave, group))
-    count = np.cumsum(np.bincount(group)[by_draw])
-    draws = draw[first]
-    chances = []
-    for share in SHARES:
-        choice = Choice(step=step, mode=mode, share=share)
-        end = int(np.searchsorted(draws, choice.cut)) - 1
-        if end < 0 or count[end] < READABLE:
-            break
-        chances.append((_log10_chance(float(real[end]), float(square[end])), choice))
-    return chances
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Waves:
+    """The waves of coordinates, in the order of their draws; each (n,)."""
+
+    wave: NDArray[np.complex128]
+    draw: FloatArray
+    group: IntArray
+
+    def chances(self, step: float, mode: int, readable: int) -> list[tuple[float, Choice]]:
+        """Return the chance of the lock of each share that has at least so many coordinates."""
+        draw, group = self.draw, self.group
+        if not len(draw):
+            return []
+        row = np.arange(len(group))
+        first = np.empty(int(group.max()) + 1, np.int64)
+        first[group[::-1]] = row[::-1]  # where each group comes first: of several values the last one stays
+        first = np.flatnonzero(first[group] == row)
+        by_draw = group[first]  # groups in the order of their draws
+        real, square = (np.cumsum(each[by_draw]) for each in _summed(self.wave, group))
+        count = np.cumsum(np.bincount(group)[by_draw])
+        draws = draw[first]
+        chances = []
+        for share in SHARES:
+            choice = Choice(step=step, mode=mode, share=share)
+            end = int(np.searchsorted(draws, choice.cut)) - 1
+            if end < 0 or count[end] < readable:
+                break
+            chances.append((_log10_chance(float(real[end]), float(square[end])), choice))
+        return chances
 
 
 def _log10_chance(score: float, squares: float) -> float:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from meshmark.coding.codec import LENGTH
+from meshmark.coding.keyed_code import LENGTH
 from meshmark.coding.polar import Bits
 from meshmark.geometry.areas import area_vectors
 from meshmark.geometry.joints import joints_of

@@ -8,7 +8,7 @@ from meshmark.certificate.certificate import Certificate
 from meshmark.certificate.certify import certify
 from meshmark.coding.codec import Codec
 from meshmark.coding.keys import Key
-from meshmark.coding.message import ID_BITS
+from meshmark.coding.message import ID_BITS, bits_of
 from meshmark.errors import InputError
 from meshmark.geometry.weld import weld
 from meshmark.mesh import Mesh
@@ -45,9 +45,11 @@ class NcdgLv:
                 bits=_to_bits(0), present=False, log10_false_positive=0.0, raw=np.zeros(Codec(key).n)
             )
         observed = found.reading.observed()
-        guess = Codec(key).decode(observed).guess if found.id is None else found.id
+        identity = found.id
+        if identity is None or bits_of(identity) != ID_BITS:
+            identity = Codec(key).decode(observed).guess
         return Readout(
-            bits=_to_bits(guess),
+            bits=_to_bits(identity),
             present=found.present,
             log10_false_positive=found.log10_false_positive,
             raw=observed,
