@@ -1,8 +1,7 @@
 """Take the pictures of the page of `meshmark serve` that docs/serve.md shows: python tools/screenshot_serve.py.
 
-Needs Chromium and Playwright. The hare is marked, its ears are stretched, and the copy is checked; a copy
-of Ann's is traced; docs/images gets
-PNG files of at most 256 colours.
+Needs Chromium and Playwright. The hare is marked, its ears are stretched, and the copy is checked; a copy of Ann's
+is traced. docs/images gets PNG files of at most 256 colours.
 """
 
 from __future__ import annotations

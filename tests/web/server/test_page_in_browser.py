@@ -191,12 +191,13 @@ def test_tabs_and_the_choice_of_light_work_by_keyboard(visit, server):
 
 
 def test_whose_copy_a_suspect_is(visit, registry_server, axe, tmp_path):
-    write_mesh(Mesh(*pebble(30)), tmp_path / "vase.ply")
-    job = registry_server.run("embed", tmp_path / "vase.ply", recipient="Ann", id="00000000000000a1")
+    write_mesh(Mesh(*pebble(34)), tmp_path / "vase.ply")
+    fields = {"recipient": "Eve", "id": "00000000000000a1", "layers": "ownership"}
+    job = registry_server.run("embed", tmp_path / "vase.ply", **fields)
     marked = registry_server.save(job, "model", tmp_path)
     one = visit(registry_server, f"/#token={registry_server.token}")
     one.begin("owner", marked)
-    assert one.verdict("owner") == "This is the copy of Ann"
+    assert one.verdict("owner") == "This is the copy of Eve"
     assert "00000000000000a1" in one.page.locator("#owner .table").inner_text()
     assert axe(one.page) == []
     one.page.locator("#owner .choice label").first.click()
