@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 export OMP_NUM_THREADS ?= 1
 
-.PHONY: help setup demo test check docs tour smoke bench clean
+.PHONY: help setup demo test check docs tour gallery site smoke bench clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /: /'
@@ -35,8 +35,17 @@ check: setup  ## style and types
 docs: setup  ## write docs/cli.md from the program's own help
 	$(BIN)/python tools/make_cli_docs.py
 
-tour: setup  ## write the tour of README.md from a run of it
-	$(BIN)/python tools/readme_tour.py
+tour: setup  ## write the tour of docs/tour.md and README.md from a run of it
+	$(BIN)/python tools/make_tour.py
+
+gallery: setup  ## make the pictures of docs/gallery.md and docs/design.md anew
+	$(BIN)/python tools/make_gallery.py
+	$(BIN)/python tools/make_design_pictures.py
+
+site: setup  ## a web site of the documents, into site-out/; a link that leads nowhere fails
+	@$(BIN)/uv pip install --quiet --python $(BIN)/python -c constraints.txt --group site || \
+	{ $(PIP) "pip>=25.1" && $(PIP) -c constraints.txt --group site; }
+	$(BIN)/python tools/make_site.py
 
 smoke: setup  ## the smallest benchmark, and the facts that must hold in its table
 	rm -rf bench-out/smoke
@@ -47,4 +56,4 @@ bench: setup  ## the measurements; needs ../shared/data
 	$(BIN)/python -m claims
 
 clean:  ## remove what the other targets made
-	rm -rf $(VENV) demo-out bench-out .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) demo-out bench-out site-out .pytest_cache .mypy_cache .ruff_cache .hypothesis

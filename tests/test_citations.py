@@ -23,7 +23,7 @@ FOREIGN = re.compile(
 )
 NAMED = re.compile(r"(?<![\w/.-])(?:[\w-]+/)*[\w-]+\.md\b")
 # Pages that commands write, by any name, and the names that stand for such pages.
-WRITTEN = {"report.md", "PAGE.md", "WORDS.md", "page.md", "paper.md"}
+WRITTEN = {"index.md", "report.md", "PAGE.md", "WORDS.md", "page.md", "paper.md"}
 # These hold the patterns and planted citations, and what is still to be mended.
 EXEMPT = {"test_citations.py", "foreign_citations.txt"}
 

@@ -22,7 +22,8 @@ from tests.shapes import pebble
 
 ROOT = Path(__file__).resolve().parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
+REFERENCE = (ROOT / "docs" / "reference.md").read_text(encoding="utf-8")
+PYTHON = (ROOT / "docs" / "python.md").read_text(encoding="utf-8")
 
 
 def tool_of(name: str) -> ModuleType:
@@ -39,12 +40,12 @@ def test_the_command_line_page_is_what_the_program_prints():
 
 
 @pytest.mark.parametrize("name", COMMANDS)
-def test_the_readme_names_every_command(name):
-    assert f"`meshmark {name}" in README
+def test_the_reference_names_every_command(name):
+    assert f"`meshmark {name}" in REFERENCE
 
 
-def test_the_readme_names_every_format_and_what_a_conversion_keeps():
-    rows = dict(re.findall(r"^\| \w+ \| `(\.\w+)` \| [^|]+ \| ([^|]+) \|$", README, re.MULTILINE))
+def test_the_reference_names_every_format_and_what_a_conversion_keeps():
+    rows = dict(re.findall(r"^\| \w+ \| `(\.\w+)` \| [^|]+ \| ([^|]+) \|$", REFERENCE, re.MULTILINE))
     words = {"normals": "normals", "texcoords": "texture coordinates", "colors": "colours"}
     assert rows.keys() == {entry.extensions[0] for entry in FORMATS.values()}
     for entry in some(FORMATS.values()):
@@ -52,34 +53,36 @@ def test_the_readme_names_every_format_and_what_a_conversion_keeps():
         assert kept == entry.keeps, entry.name
 
 
-def test_the_readme_names_every_strength_with_its_budget_and_psnr():
+def test_the_reference_names_every_strength_with_its_budget_and_psnr():
     from math import log10
 
     from meshmark.strengths import BUDGETS, VISIBLE_SHARES
 
-    rows = re.findall(r"^\| `(\w+)` \| ([\d.]+) %[^|]* \| ([\d.]+) % \| ([\d.]+) dB \|", README, re.MULTILINE)
+    rows = re.findall(
+        r"^\| `(\w+)` \| ([\d.]+) %[^|]* \| ([\d.]+) % \| ([\d.]+) dB \|", REFERENCE, re.MULTILINE
+    )
     assert {name: float(seen) / 100 for name, seen, *_ in rows} == pytest.approx(VISIBLE_SHARES)
     assert {name: float(share) / 100 for name, _, share, _ in rows} == pytest.approx(BUDGETS)
     for name, _, _, psnr in some(rows):
         assert 0 <= -20 * log10(BUDGETS[name]) - float(psnr) < 0.1
 
 
-def test_the_readme_names_every_exit_code():
-    codes = {int(code) for code in re.findall(r"^\| (\d) \|", README, re.MULTILINE)}
+def test_the_reference_names_every_exit_code():
+    codes = {int(code) for code in re.findall(r"^\| (\d) \|", REFERENCE, re.MULTILINE)}
     assert codes == {*EXIT_CODES.values(), 2, 4}
 
 
 @pytest.mark.parametrize("name", mm.__all__)
-def test_the_readme_names_every_public_name(name):
-    assert f"mm.{name}" in README
+def test_the_python_page_names_every_public_name(name):
+    assert f"mm.{name}" in PYTHON
 
 
 def test_the_python_example_runs(short_search, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     points, faces = pebble(70)  # as tall as the hare, and marked in a fraction of the time
     mm.write_mesh(mm.Mesh(points * 100.0 / np.ptp(points[:, 1]) + [0.0, 50.0, 0.0], faces), "hare.ply")
-    (example,) = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
-    exec(compile(example, "README.md", "exec"), {})
+    (example,) = re.findall(r"```python\n(.*?)```", PYTHON, re.DOTALL)
+    exec(compile(example, "docs/python.md", "exec"), {})
     assert "present 0123456789abcdef" in capsys.readouterr().out
 
 
@@ -90,9 +93,17 @@ CLOSE = 0.02
 HARE = (25_178, 50_360)
 
 
-def test_the_tour_prints_what_the_readme_shows(short_search, drafts, tmp_path, monkeypatch):
-    """With a key that is always the same (tools/readme_tour.py): `keygen` draws another one each time."""
-    tool = tool_of("readme_tour")
+def test_the_readme_is_short_and_shows_what_the_tour_does():
+    assert len(README.splitlines()) < 120
+    shown = [block.strip() for block in re.findall(r"```console\n(.*?)```", README, re.DOTALL)]
+    tour = "".join(tool_of("make_tour").sessions())
+    steps = [step for block in some(shown, least=2) for step in re.split(r"\n\n(?=\$ )", block)]
+    assert [step for step in some(steps, least=5) if step not in tour] == []
+
+
+def test_the_tour_prints_what_the_page_shows(short_search, drafts, tmp_path, monkeypatch):
+    """With a key that is always the same (tools/make_tour.py): `keygen` draws another one each time."""
+    tool = tool_of("make_tour")
     monkeypatch.chdir(tmp_path)
     for command, shown, code, printed in some(tool.tour(tool.session()), least=9):
         assert code == ("extract hare" in command or "authenticate edited" in command), command
@@ -100,9 +111,9 @@ def test_the_tour_prints_what_the_readme_shows(short_search, drafts, tmp_path, m
         assert numbers(printed) == [about(number) for number in numbers(shown)], command
 
 
-def test_the_story_of_a_leak_prints_what_the_readme_shows(short_search, tmp_path, monkeypatch):
+def test_the_story_of_a_leak_prints_what_the_page_shows(short_search, tmp_path, monkeypatch):
     """On a pebble, which is marked in a fraction of the time: numbers and ids are others."""
-    tool = tool_of("readme_tour")
+    tool = tool_of("make_tour")
     monkeypatch.chdir(tmp_path)
     monkeypatch.delenv("MESHMARK_REGISTRY", raising=False)
     (tmp_path / "customers.csv").write_text("recipient\nAnn\nBob\n")
@@ -113,6 +124,14 @@ def test_the_story_of_a_leak_prints_what_the_readme_shows(short_search, tmp_path
     for command, shown, code, printed in some(tool.commands(story), least=4):
         assert code == 0, command
         assert masked.sub("#", printed) == masked.sub("#", shown), command
+
+
+def test_a_lost_certificate_is_that_of_the_original_marked_again(tmp_path):
+    """As docs/keys.md says: the same original, key, id and options."""
+    for name in ("lost", "again"):
+        made = mm.embed(mm.Mesh(*pebble(30)), mm.Key(bytes(32)), id=5, layers="ownership")
+        made.certificate.save(tmp_path / name)
+    assert (tmp_path / "lost").read_bytes() == (tmp_path / "again").read_bytes()
 
 
 @pytest.mark.parametrize(
@@ -143,14 +162,6 @@ def about(number: float) -> object:
     if number in HARE or (number == int(number) and abs(number) < 50):
         return number
     return pytest.approx(number, rel=CLOSE, abs=0.0011 if abs(number) < 1 else 0.0)
-
-
-def test_links_lead_somewhere():
-    texts = {
-        page: re.sub(r"```.*?```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL) for page in PAGES
-    }
-    links = [(page, to) for page, text in texts.items() for to in re.findall(r"\]\(([^)#:]+)\)", text)]
-    assert [(page, to) for page, to in some(links, least=30) if not (page.parent / to).exists()] == []
 
 
 def test_every_make_target_in_the_documents_exists():

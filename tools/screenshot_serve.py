@@ -1,7 +1,7 @@
 """Take the pictures of the page of `meshmark serve` that docs/serve.md shows: python tools/screenshot_serve.py.
 
-Needs Chromium and Playwright. The hare is marked, its ears are stretched, and the copy is checked; docs/images gets
-PNG files of at most 256 colours.
+Needs Chromium and Playwright. The hare is marked, its ears are stretched, and the copy is checked; a copy of Ann's
+is traced. docs/images gets PNG files of at most 256 colours.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ import io
 import shutil
 import sys
 import tempfile
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ from playwright.sync_api import sync_playwright
 
 import meshmark as mm
 from meshmark.data import hare_ply
+from meshmark.registry.registry import Registry
 
 ROOT = Path(__file__).resolve().parents[1]
 IMAGES = ROOT / "docs" / "images"
@@ -57,7 +59,10 @@ def main() -> None:
     from tests.web.server.served import serving
 
     browser = shutil.which("chromium") or sys.exit("there is no chromium, expected one to take the pictures")
-    with tempfile.TemporaryDirectory() as name, serving(Path(name)) as server, sync_playwright() as driver:
+    with tempfile.TemporaryDirectory() as name, sync_playwright() as driver, ExitStack() as stack:
+        copies = Path(name) / "copies.db"
+        Registry.create(copies)[0].database.close()
+        server = stack.enter_context(serving(Path(name), "--registry", str(copies)))
         with server.client() as client:
             client.post("/api/keys", json={"label": "studio"})
         suspect = edited_hare(Path(name), server.key)
@@ -74,6 +79,14 @@ def main() -> None:
             page.wait_for_selector(".viewer[data-state=ready]", timeout=SLOW)
             keep(page, f"serve-check-{width}-{scheme}.png", 1480 if width > 400 else 1700)
             page.close()
+        page = started.new_page(viewport={"width": 1280, "height": 900}, color_scheme="light")
+        issued = server.run("embed", Path(name) / "hare.ply", recipient="Ann")
+        page.goto(f"{server.url}/#owner")
+        page.wait_for_selector("body[data-state=ready]")
+        page.set_input_files("#owner-files", str(server.save(issued, "model", Path(name))))
+        page.click("#owner form > .main")
+        page.wait_for_selector("#owner .viewer[data-state=ready]", timeout=SLOW)
+        keep(page, "serve-trace-1280-light.png", 1480)
         started.close()
 
 

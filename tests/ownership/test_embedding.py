@@ -149,14 +149,14 @@ def test_a_reserve_beyond_the_budget_is_refused(model):
 
 def test_a_stray_vertex_does_not_stretch_the_budget(model):
     far = Mesh(np.concatenate([model.vertices, [[1e6, 0.0, 0.0]]]), model.faces)
-    result = embed(far, KEY, id=ID, layers=None)
+    result = embed(far, KEY, id=ID)
     moved = np.sqrt(((result.mesh.vertices[:-1] - model.vertices) ** 2).sum(axis=1).mean())
     assert moved <= BUDGETS["standard"] * np.linalg.norm(np.ptp(model.vertices, axis=0))
 
 
 @pytest.mark.parametrize("scale", [1e-80, 1e80])
 def test_any_unit_will_do(model, scale):
-    result = embed(Mesh(model.vertices * scale, model.faces), KEY, id=ID, layers=None)
+    result = embed(Mesh(model.vertices * scale, model.faces), KEY, id=ID)
     assert extract(result.mesh, KEY).id == ID
 
 

@@ -18,11 +18,16 @@ from PIL import Image
 import meshmark as mm
 from meshmark.report import picture, still_view
 from meshmark.report.authentication_page import authentication_view, write_authentication_page
+from meshmark.report.common_layers import own_surface
 from meshmark.report.provenance import provenance
+from meshmark.report.surface_view import surface_view
+from meshmark.report.view_layer import heat_layer
+from meshmark.report.view_surface import view_surface
 from meshmark.web.viewer.parts import viewer_parts
 from tests.counting import some
 from tests.keys import KEY
 from tests.marked import marked_pebble
+from tests.textured import textured_glb
 
 READY = "[data-state=ready]"
 
@@ -175,4 +180,32 @@ def test_a_viewer_of_another_page_is_made_and_disposed_of(browser, suspect):
     *states, refused = page.evaluate(made, [viewer_parts().script, view])
     assert states == ["ready", "tamper", "surface", 0, "none"]
     assert refused.startswith("positions take ")
+    page.close()
+
+
+def test_a_texture_is_worn_by_the_surface_and_taken_off_for_other_layers(browser, tmp_path):
+    textured_glb(tmp_path / "four.glb")
+    mesh = mm.read_mesh(tmp_path / "four.glb")
+    height = heat_layer("height", "Height", mesh.vertices[:, 1], [(0.0, "0")])
+    view = surface_view(view_surface(mesh), [own_surface(mesh), height], start="surface", label="a square")
+    page = browser.new_page()
+    made = """async ([source, view]) => {
+      const { createViewer } = await import(URL.createObjectURL(new Blob([source], { type: "text/javascript" })));
+      const element = document.body.appendChild(document.createElement("div"));
+      window.viewer = createViewer(element, view);
+      document.querySelector(".viewer-screen").style = "width: 300px; height: 300px";
+      await new Promise((done) => setTimeout(done, 400));
+    }"""
+    page.evaluate(made, [viewer_parts().script, json.loads(json.dumps(view))])
+    found = Opened(page)
+    dressed = found.picture().reshape(-1, 3)
+    shares = [
+        np.mean((dressed[:, k] > 90) & (dressed[:, k] > 3 * np.delete(dressed, k, 1).max(axis=1)))
+        for k in range(3)
+    ]
+    assert min(some(shares, least=3)) > 0.05, "red, green and blue are seen"
+    page.evaluate("viewer.setLayer('height')")
+    plain = found.picture().reshape(-1, 3)
+    assert np.mean((plain[:, 2] > 90) & (plain[:, 2] > 3 * plain[:, :2].max(axis=1))) == 0
+    page.evaluate("viewer.dispose()")
     page.close()

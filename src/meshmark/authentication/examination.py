@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from meshmark.authentication.as_written import Since, since_written
 from meshmark.authentication.checks.altered_points import altered_points
 from meshmark.authentication.checks.carried import Expected, Reading
-from meshmark.authentication.checks.checks import Checks, check
+from meshmark.authentication.checks.checks import Checks, check, shapes_of
 from meshmark.authentication.checks.coarse_digits import coarse_digits
 from meshmark.authentication.marks.precision import precision_of
 from meshmark.authentication.parameters import MARKED_LOG10
@@ -162,17 +162,18 @@ def _examined(
     made: int | None = None,
 ) -> Examination:
     """Examine one surface of a mesh; ask: reads the ownership layer; made: see `examine`."""
-    checks = check(surface, key)
+    look = partial(check, surface, key, shapes=shapes_of(surface))
+    checks = look()
     identity = checks.nonce
     if identity is None or checks.log10_chance > MARKED_LOG10:
-        expected = None if made is None else check(surface, key, made)
+        expected = None if made is None else look(made)
         if expected is not None and expected.log10_chance > MARKED_LOG10:
             return _unmarked(surface, checks)
         found = ask()
         identity = PRESENCE if found.bits == 0 else found.id
         if identity is not None and bits_of(identity) == ID_BITS:  # others sign no marks
             again = expected if identity == made else None
-            checks = check(surface, key, identity) if again is None else again
+            checks = look(identity) if again is None else again
     certificate = reference if isinstance(reference, Certificate) else None
     remark = None if certificate is None else mismatch(certificate, key, identity)
     if checks.speak and checks.log10_chance <= MARKED_LOG10:
@@ -180,7 +181,7 @@ def _examined(
         if identity is not None and bits_of(identity) == ID_BITS:
             packed, reading = _packed(checks, key, identity)
             if packed is not None:
-                checks = _confirmed(surface, checks, packed, reading)
+                checks = _confirmed(surface, checks, packed, reading, look)
         altered, payload = altered_points(surface, checks), None if packed is None else unpack(packed)
         if checks.signed is not None:
             payload = Payload(kind="none", content=b"", whole=Whole(points=checks.signed))
@@ -251,13 +252,15 @@ def _packed(checks: Checks, key: Key, identity: int) -> tuple[bytes | None, Read
     return None, reading
 
 
-def _confirmed(surface: Surface, checks: Checks, packed: bytes, reading: Reading) -> Checks:
+def _confirmed(
+    surface: Surface, checks: Checks, packed: bytes, reading: Reading, look: Callable[..., Checks]
+) -> Checks:
     """Return the checks anew where a point is altered, or has no other voucher than marks against the payload.
 
     A mark that was put at random, was copied to another place, or holds by luck, says the symbol that the payload
     has there once in 2^9 or so. In a rounded file one such mark can hide that its neighbour is to be read in
     another way, or dispute where a component lies: so nothing is called altered by a check that does not know the
-    payload.
+    payload. look: `check` of this surface.
     """
     source, once = ErasureCode(packed, checks.symbol_bits), unpack(packed).whole.once
     expected = Expected(source=source, reading=reading, once=once)
@@ -266,7 +269,7 @@ def _confirmed(surface: Surface, checks: Checks, packed: bytes, reading: Reading
     passed = checks.passed.copy()
     passed[held[~right]] = False
     passed[held[right]] = checks.passed[held[right]]
-    again = partial(check, surface, reading.key, reading.nonce, expected)
+    again = partial(look, reading.nonce, expected)
     if altered_points(surface, checks).any() or (once and checks.repeated):
         return again()
     if (passed == checks.passed).all():

@@ -48,12 +48,12 @@ def damage(marked: Path, embedded: Embedding, key: Key, places: Places, done: Do
 
     from meshmark.attacks import ATTACKS
     from meshmark.io import read_mesh, write_mesh
-    from meshmark.report.demo_picture import vertex_colours
+    from meshmark.report.own_colours import own_colours
     from meshmark.report.picture import Panel
 
     mesh = read_mesh(marked)
     sawn = ATTACKS["crop"].apply(mesh, 0.5, np.random.default_rng(_SEED))
-    half, colours = sawn.mesh, vertex_colours(mesh)
+    half, colours = sawn.mesh, own_colours(mesh).at_vertices()
     write_mesh(half, places.work / "half.ply")
     done("Sawn", f"{places.out / 'half.ply'}: one half, {plural(len(half.vertices), 'vertex/vertices')}")
     _read_half(half, embedded, key, places, done)
@@ -78,7 +78,7 @@ def _edit(marked: Path, mesh: Mesh, key: Key, places: Places, done: Done) -> lis
     from meshmark.marking import authenticate, recover
     from meshmark.report.authentication_colours import altered_colours
     from meshmark.report.authentication_page import write_authentication_page
-    from meshmark.report.demo_picture import vertex_colours
+    from meshmark.report.own_colours import own_colours
     from meshmark.report.picture import Panel
 
     edited = marked.with_name(marked.name.replace("marked", "edited", 1))
@@ -97,7 +97,7 @@ def _edit(marked: Path, mesh: Mesh, key: Key, places: Places, done: Done) -> lis
             caption="its top bent",
             points=suspect.vertices,
             faces=suspect.faces,
-            colours=vertex_colours(suspect),
+            colours=own_colours(suspect).at_vertices(),
         ),
         Panel(
             caption="what was altered",
@@ -118,7 +118,7 @@ def _edit(marked: Path, mesh: Mesh, key: Key, places: Places, done: Done) -> lis
             caption="recovered",
             points=whole.mesh.vertices,
             faces=whole.mesh.faces,
-            colours=vertex_colours(whole.mesh),
+            colours=own_colours(whole.mesh).at_vertices(),
         ),
     ]
 

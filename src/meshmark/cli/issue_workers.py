@@ -30,12 +30,12 @@ _KINDS: dict[str, type[MeshmarkError]] = {
 
 
 def worked(line: Sequence[str], workers: int, place: str) -> Iterator[Issued]:
-    """Run a command line in so many processes, each with its part; yields the copies as they are made.
+    """Run a command line in several processes, each with its part; yields the copies as they are made.
 
     place: of the registry, which goes by the environment, as it may hold a password. Raises the first error of a
     worker, after the others have ended the copies that they are at.
     """
-    told: queue.SimpleQueue[dict[str, Any] | None] = queue.SimpleQueue()
+    messages: queue.SimpleQueue[dict[str, Any] | None] = queue.SimpleQueue()
     environment = {**os.environ, REGISTRY_VARIABLE: place}
     running = [
         subprocess.Popen(
@@ -48,7 +48,7 @@ def worked(line: Sequence[str], workers: int, place: str) -> Iterator[Issued]:
         for number in range(workers)
     ]
     readers = [
-        threading.Thread(target=_read, args=(process.stdout, told), daemon=True) for process in running
+        threading.Thread(target=_read, args=(process.stdout, messages), daemon=True) for process in running
     ]
     for reader in readers:
         reader.start()
@@ -56,7 +56,7 @@ def worked(line: Sequence[str], workers: int, place: str) -> Iterator[Issued]:
     open_ones = workers
     try:
         while open_ones:
-            values = told.get()
+            values = messages.get()
             if values is None:
                 open_ones -= 1
             elif "error" in values:
@@ -95,11 +95,11 @@ def part_of(recipients: Sequence[Recipient], part: str) -> list[Recipient]:
     return list(recipients[int(number) :: int(of)])
 
 
-def _read(lines: IO[str] | None, told: queue.SimpleQueue[dict[str, Any] | None]) -> None:
+def _read(lines: IO[str] | None, messages: queue.SimpleQueue[dict[str, Any] | None]) -> None:
     try:
         for line in lines or ():
-            told.put(json.loads(line))
+            messages.put(json.loads(line))
     finally:
-        told.put(None)
+        messages.put(None)
         if lines is not None:
             lines.close()

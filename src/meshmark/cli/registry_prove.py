@@ -123,36 +123,39 @@ def _suspect(suspect: Path | None, row: Copy) -> Path:
     """Return the file to read: the one that was found, else the copy as it was issued."""
     if suspect is not None:
         return suspect
-    if row.path is None or not Path(row.path).is_file():
+    path = _issued(row)
+    if path is None:
         raise InputError(
             f"the copy is not at {row.path} any more, expected --suspect with the file that was found",
             file=row.path,
         )
-    return Path(row.path)
+    return path
+
+
+def _issued(row: Copy) -> Path | None:
+    """Return the file of the copy where it is at hand; a name without a place could be any file's."""
+    path = None if row.path is None else Path(row.path)
+    return path if path is not None and path.is_absolute() and path.is_file() else None
 
 
 def _pictures(path: Path, row: Copy) -> dict[str, bytes]:
     """Return pictures of the suspect, and of the copy as it was issued where its file is at hand."""
     pictures = {"suspect.png": _picture(path, "suspect")}
     with suppress(MeshmarkError):
-        if row.path is not None and Path(row.path).is_file():
-            pictures["copy.png"] = _picture(Path(row.path), "the copy as it was issued")
+        if (issued := _issued(row)) is not None:
+            pictures["copy.png"] = _picture(issued, "the copy as it was issued")
     return pictures
 
 
 def _picture(path: Path, caption: str) -> bytes:
     import tempfile
 
-    from meshmark.geometry.surface_of import surface_of
-    from meshmark.report.demo_picture import vertex_colours
-    from meshmark.report.picture import Panel, panels
+    from meshmark.report.own_colours import own_panel
+    from meshmark.report.picture import panels
 
     mesh = read_model(path, None)
-    surface, own = surface_of(mesh), vertex_colours(mesh)
-    colours = None if own is None else own[surface.vertex_of_point]
-    panel = Panel(caption=caption, points=surface.points, faces=surface.faces, colours=colours)
     with tempfile.TemporaryDirectory() as folder:
-        panels((panel,), Path(folder) / "picture.png", size=_SIZE)
+        panels((own_panel(mesh, caption),), Path(folder) / "picture.png", size=_SIZE)
         return (Path(folder) / "picture.png").read_bytes()
 
 

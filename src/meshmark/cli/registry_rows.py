@@ -81,5 +81,5 @@ def _line(copy: Copy) -> str:
 
     when = copy.issued_at or copy.state
     pending = " (pending)" if copy.issued_at and copy.state != "issued" else ""
-    told = (copy.recipient, copy.original_name, copy.path)
-    return "  ".join([format_id(copy.id), f"{when:20}{pending}", *(each or _NOBODY for each in told)])
+    known = (copy.recipient, copy.original_name, copy.path)
+    return "  ".join([format_id(copy.id), f"{when:20}{pending}", *(each or _NOBODY for each in known)])

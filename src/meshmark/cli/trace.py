@@ -60,7 +60,7 @@ def trace(
         raise InputError(f"--report is of one suspect, but {len(suspects)} are named, expected one")
     staging = staged([(report, ".html")], [*suspects, key], force)
     secret = Key.load(key, force=force)
-    lines, told = [], []
+    lines, traces = [], []
     with open_registry(registry) as opened:
         for path in suspects:
             mesh = read_model(path, None, staging)
@@ -74,12 +74,12 @@ def trace(
                 with progress("drawing"), staging:
                     write_trace_page(mesh, found, report_origin(mesh, path, secret), report, staging)
             lines.append(_words(found, path))
-            told.append({"suspect": str(path), **found.to_dict()})
-    fields: dict[str, Any] = {"traces": told}
-    if len(told) == 1:
-        fields |= told[0]
+            traces.append({"suspect": str(path), **found.to_dict()})
+    fields: dict[str, Any] = {"traces": traces}
+    if len(traces) == 1:
+        fields |= traces[0]
     answer("\n".join(lines), described(fields, suspects, {"report": report}, secret), as_json)
-    return 0 if all(each["matches"] for each in told) else 1
+    return 0 if all(each["matches"] for each in traces) else 1
 
 
 def _words(found: Trace, path: Path) -> str:

@@ -11,7 +11,7 @@ from meshmark.mesh import FloatArray, IntArray
 __all__ = [
     "area_vectors",
     "face_areas",
-    "longest_edges",
+    "face_lengths",
     "sum_at_points",
     "vertex_area_sums",
     "vertex_areas",
@@ -53,12 +53,14 @@ def vertex_areas(points: FloatArray, faces: IntArray) -> FloatArray:
     return sum_at_points(face_areas(points, faces) / 3.0, faces, len(points))
 
 
-def longest_edges(points: FloatArray, faces: IntArray) -> float:
-    """Return the longest edge of a face, mean over the area, in the unit of the points (p, 3); 0 without area."""
-    corners = points[faces]
-    squares = ((corners - np.roll(corners, 1, axis=1)) ** 2).sum(axis=2)
-    areas = face_areas(points, faces)
-    return float(np.sqrt(squares.max(axis=1)) @ areas) / max(float(areas.sum()), np.finfo(float).tiny)
+def face_lengths(points: FloatArray, faces: IntArray) -> FloatArray:
+    """Return (m,): the longest edge of each face, in the unit of the points (p, 3)."""
+    out = np.empty(len(faces))
+    for part in blocks(len(faces)):
+        corners = [points.take(faces[part, i], axis=0) for i in range(3)]
+        steps = (corners[i] - corners[i - 1] for i in range(3))
+        out[part] = np.sqrt(np.max([np.einsum("ij,ij->i", step, step) for step in steps], axis=0))
+    return out
 
 
 def vertex_normals(points: FloatArray, faces: IntArray) -> FloatArray:

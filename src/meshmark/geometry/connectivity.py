@@ -11,9 +11,13 @@ from scipy.sparse import csr_array
 
 from meshmark.geometry.adjacency import adjacency, unique_edges
 from meshmark.geometry.extent import used_points
+from meshmark.geometry.scale_space import random_walk
 from meshmark.mesh import IntArray
 
 __all__ = ["Connectivity"]
+
+# What does not depend on how the corners of the faces go round.
+SHARED = frozenset({"used", "edges", "graph", "walk"})
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -25,6 +29,12 @@ class Connectivity:
 
     count: int
     faces: IntArray
+
+    def turned_over(self) -> Connectivity:
+        """Return that of the faces with their corners the other way round; all else is shared."""
+        result = Connectivity(count=self.count, faces=self.faces[:, ::-1])
+        result.__dict__.update((name, self.__dict__[name]) for name in SHARED & self.__dict__.keys())
+        return result
 
     @cached_property
     def used(self) -> NDArray[np.bool_]:
@@ -40,3 +50,8 @@ class Connectivity:
     def graph(self) -> csr_array:
         """(count, count) symmetric sparse matrix with 1.0 at both places of each edge."""
         return adjacency(self.edges, self.count)
+
+    @cached_property
+    def walk(self) -> csr_array:
+        """(count, count) uniform random walk (`random_walk`); a point without an edge stays where it is."""
+        return random_walk(np.zeros((self.count, 3)), self.edges)

@@ -16,7 +16,7 @@ from meshmark.errors import InputError
 from meshmark.geometry.areas import face_areas, sum_at_points
 from meshmark.mesh import FloatArray, IntArray
 
-__all__ = ["Frame", "canonical_frame", "frame_alternatives", "signed_axes", "surface_moments"]
+__all__ = ["MIRROR", "Frame", "canonical_frame", "frame_alternatives", "signed_axes", "surface_moments"]
 
 # Axes whose second moments differ by less than this share of their sum may change places under an attack.
 SWAP_GAP = 0.04
@@ -25,6 +25,7 @@ SIGNS = ((1, 1, 1), (-1, -1, 1), (-1, 1, -1), (1, -1, -1))
 FLAT = 1e-6
 # Models below this size, or above its inverse, are refused.
 SMALLEST = 1e-100
+MIRROR = np.array([-1.0, 1.0, 1.0])
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -54,6 +55,13 @@ class Frame:
     def to_scene(self, points: FloatArray) -> FloatArray:
         """Canonical coordinates (p, 3) -> scene coordinates (p, 3)."""
         return points @ (self.axes.T * self.scale) + self.centre
+
+    def mirrored(self) -> Frame:
+        """Return the frame of the mirror image, all x being reversed."""
+        axes = MIRROR[:, None] * self.axes
+        # Axes point to where the third moments are positive, but for the least, which makes the frame a rotation.
+        axes[:, np.argmin(self.skewness * np.maximum(self.moments, FLAT) ** 1.5)] *= -1.0
+        return replace(self, centre=MIRROR * self.centre, axes=axes)
 
 
 def surface_moments(

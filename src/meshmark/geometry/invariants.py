@@ -38,7 +38,9 @@ LEAST_SKEW: Final = 0.03
 TINY: Final = 1e-6
 
 
-def shape_invariants(points: FloatArray, faces: IntArray, frame: Frame | None = None) -> FloatArray:
+def shape_invariants(
+    points: FloatArray, faces: IntArray, frame: Frame | None = None, lengths: FloatArray | None = None
+) -> FloatArray:
     """Return the numbers named in `INVARIANTS` of a surface.
 
     Parameters
@@ -49,6 +51,8 @@ def shape_invariants(points: FloatArray, faces: IntArray, frame: Frame | None = 
         Triangles; their orientation does not matter.
     frame : Frame, optional
         The canonical frame of the surface, where it is known already.
+    lengths : (m,) float array, optional
+        The longest edge of each face in the unit of the points, where it is known already.
 
     Returns
     -------
@@ -64,7 +68,8 @@ def shape_invariants(points: FloatArray, faces: IntArray, frame: Frame | None = 
     """
     frame = canonical_frame(points, faces) if frame is None else frame
     canonical = frame.to_canonical(points)
-    samples = plan_samples(canonical, faces, LONGEST)(canonical)
+    known = None if lengths is None else lengths / frame.scale
+    samples = plan_samples(canonical, faces, LONGEST, known)(canonical)
     weight = samples.areas / samples.areas.sum()
     x = np.ascontiguousarray(samples.positions.T)
     square = x[0] * x[0] + x[1] * x[1] + x[2] * x[2]

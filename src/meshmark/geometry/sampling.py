@@ -12,10 +12,10 @@ from functools import cached_property, lru_cache
 import numpy as np
 import scipy.sparse as sp
 
-from meshmark.geometry.areas import area_vectors
+from meshmark.geometry.areas import area_vectors, face_lengths
 from meshmark.mesh import FloatArray, IntArray
 
-__all__ = ["Sampler", "Samples", "gathered", "plan_samples"]
+__all__ = ["Sampler", "SamplerPlans", "Samples", "gathered", "plan_samples"]
 
 # At most: pieces that a face is split into each way, and, about, samples of all faces together. Huge or very
 # spiky surfaces cannot exhaust memory; the window then sees a coarser sum.
@@ -110,6 +110,26 @@ class Sampler:
         )
 
 
+class SamplerPlans:
+    """Samplers of one mesh for several lengths of the longest piece; one and the same where no face is split.
+
+    lengths: (m,) `face_lengths` of the faces (m, 3).
+    """
+
+    def __init__(self, faces: IntArray, lengths: FloatArray) -> None:
+        self._faces, self._lengths = faces, lengths
+        self._longest = float(lengths.max(initial=0.0))
+        self._whole: Sampler | None = None
+
+    def plan(self, points: FloatArray, longest: float) -> Sampler:
+        """Return what `plan_samples` does for points (p, 3) of these lengths."""
+        if self._longest > longest:
+            return plan_samples(points, self._faces, longest, self._lengths)
+        if self._whole is None:
+            self._whole = plan_samples(points, self._faces, longest, self._lengths)
+        return self._whole
+
+
 def gathered(samples: Samples, size: float) -> Samples:
     """Return fewer samples: one for each cube of edge `size` and direction of facing, at the mean place.
 
@@ -148,13 +168,18 @@ def _numbered(names: IntArray, count: int) -> IntArray:
     return np.asarray((np.cumsum(used, dtype=np.int32) - 1)[names], np.int64)
 
 
-def plan_samples(points: FloatArray, faces: IntArray, longest: float) -> Sampler:
-    """Choose samples so that, up to a limit on their number, no piece is longer than `longest` from end to end."""
-    corners = np.stack([points[faces[:, i]] for i in range(3)])
+def plan_samples(
+    points: FloatArray, faces: IntArray, longest: float, lengths: FloatArray | None = None
+) -> Sampler:
+    """Choose samples so that, up to a limit on their number, no piece is longer than `longest` from end to end.
+
+    lengths: (m,) `face_lengths` of the faces in the unit of the points, where they are known already.
+    """
+    large = (face_lengths(points, faces) if lengths is None else lengths) > longest
+    corners = np.stack([points[faces[large, i]] for i in range(3)])
     ways = np.roll(corners, -1, axis=0) - corners
     edge = np.sqrt(np.einsum("imj,imj->im", ways, ways))
-    large = edge.max(axis=0) > longest
-    owner, weights, share = _split(ways[:, large], edge[:, large], longest)
+    owner, weights, share = _split(ways, edge, longest)
     return Sampler(
         faces=faces,
         count=len(points),

@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from meshmark.geometry.areas import face_areas, vertex_areas
+from meshmark.geometry.areas import face_areas, face_lengths, vertex_areas
 from meshmark.geometry.connectivity import Connectivity
 from meshmark.geometry.extent import diagonal
-from meshmark.geometry.frame import Frame, canonical_frame
+from meshmark.geometry.frame import MIRROR, Frame, canonical_frame
 from meshmark.geometry.invariants import shape_invariants
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["Surface"]
+
+# What a surface and its mirror image have in common.
+SAME_MIRRORED = frozenset({"face_areas", "face_lengths", "point_areas", "point_shares", "diagonal"})
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -62,10 +65,27 @@ class Surface:
         """(p, p) symmetric sparse matrix with 1.0 at both places of each edge."""
         return self.connectivity.graph
 
+    @property
+    def walk(self) -> csr_array:
+        """(p, p) the chances of a step from each point to each of its neighbours, all alike."""
+        return self.connectivity.walk
+
     @cached_property
     def face_areas(self) -> FloatArray:
         """(m',) area of each face."""
         return face_areas(self.points, self.faces)
+
+    @cached_property
+    def face_lengths(self) -> FloatArray:
+        """(m',) the longest edge of each face."""
+        return face_lengths(self.points, self.faces)
+
+    @cached_property
+    def mean_face_length(self) -> float:
+        """The longest edge of a face, mean over the area; 0 without area."""
+        return float(self.face_lengths @ self.face_areas) / max(
+            float(self.face_areas.sum()), np.finfo(float).tiny
+        )
 
     @cached_property
     def point_areas(self) -> FloatArray:
@@ -94,7 +114,19 @@ class Surface:
     @cached_property
     def invariants(self) -> FloatArray:
         """The numbers that `shape_invariants` returns; raises `InputError` where there is no surface."""
-        return shape_invariants(self.points, self.faces, self.frame)
+        return shape_invariants(self.points, self.faces, self.frame, self.face_lengths)
+
+    def mirrored(self) -> Surface:
+        """Return the mirror image; what a reflection leaves as it is, or turns into its image, is computed once."""
+        result = replace(self, points=self.points * MIRROR, faces=self.faces[:, ::-1])
+        kept = {name: self.__dict__[name] for name in SAME_MIRRORED & self.__dict__.keys()}
+        result.__dict__.update(
+            kept,
+            frame=self.frame.mirrored(),
+            invariants=self.invariants,
+            connectivity=self.connectivity.turned_over(),
+        )
+        return result
 
     def moved(self, points: FloatArray) -> Surface:
         """Return the surface with its points elsewhere; faces and connectivity are shared.

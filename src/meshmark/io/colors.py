@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from meshmark.mesh import FloatArray
 
-__all__ = ["ODD_COLORS", "rgba"]
+__all__ = ["ODD_COLORS", "rgba", "to_linear"]
 
 # How a report names colours that are lost because they are no colours.
 ODD_COLORS = "vertex colours, some of which are not finite numbers"
@@ -24,3 +24,8 @@ def rgba(numbers: FloatArray, unit: bool | None = None) -> NDArray[np.uint8]:
     full = np.full((len(numbers), 4), 255, dtype=np.uint8)
     full[:, : scaled.shape[1]] = scaled
     return full
+
+
+def to_linear(srgb: FloatArray) -> FloatArray:
+    """Return linear light for sRGB values in [0, 1] (IEC 61966-2-1)."""
+    return np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)

@@ -13,6 +13,7 @@ import numpy as np
 from meshmark.document import Attributes, Deviation
 from meshmark.errors import FormatError
 from meshmark.io.gaps import Gaps
+from meshmark.io.paint import Paint
 from meshmark.io.polygons import check_indices
 from meshmark.mesh import FloatArray, IntArray
 
@@ -45,7 +46,8 @@ class PatchDocument:
     """A one-file document; see `meshmark.document.Document`.
 
     load_attributes: reads the attributes when a conversion asks for them. shown_too: what viewers show beside the
-    surface.
+    surface. load_paint: reads what the triangles are painted with when a picture is drawn; None for formats without
+    materials.
     """
 
     format: str
@@ -56,6 +58,7 @@ class PatchDocument:
     references: tuple[Path, ...] = ()
     remarks: tuple[str, ...] = ()
     shown_too: tuple[Deviation, ...] = ()
+    load_paint: Callable[[], Paint | None] | None = None
 
     @property
     def vertices(self) -> FloatArray:
@@ -102,6 +105,7 @@ def patch_document(
     remarks: tuple[str, ...] = (),
     gaps: Gaps | None = None,
     shown_too: tuple[Deviation, ...] = (),
+    load_paint: Callable[[], Paint | None] | None = None,
 ) -> PatchDocument:
     """Check what was read, and return its document.
 
@@ -123,4 +127,5 @@ def patch_document(
         references=references,
         remarks=remarks,
         shown_too=shown_too,
+        load_paint=load_paint,
     )

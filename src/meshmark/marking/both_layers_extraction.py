@@ -33,7 +33,7 @@ __all__ = ["extract"]
 
 # Where marks vouch for this share of the surface, the ownership layer, too, is read as it stands only.
 _MOSTLY_WHOLE = 0.2
-# Connected components of so many points are read on their own, the largest first, at most this number of them.
+# Connected components of at least this many points are read on their own, the largest first; and at most how many.
 _PART, _MOST_PARTS = 300, 8
 # Seconds that a search is given at least, however long the marks took.
 _LEAST_TIME = 0.01

@@ -35,7 +35,7 @@ from meshmark.threads import on_one_thread
 __all__ = ["recover"]
 
 # How far off their places in the marked copy points may be that were not moved, over the diagonal: what floats
-# round after a similarity transform; or so many times what the suspect's file was rounded to, on each axis.
+# round after a similarity transform; or this multiple of what the suspect's file was rounded to, on each axis.
 _SAME, _ROUNDED = 1e-6, 2.0
 # How far off intact points may be from another marked copy, and from the unmarked original.
 _COPY, _MARKED = 1e-4, 6e-3

@@ -85,10 +85,10 @@ def _most_telling(task: Task, cost: FloatArray, most: FloatArray, start: FloatAr
     def value(x: FloatArray) -> tuple[float, FloatArray]:
         phase = turn * (task.change - x)
         force = turn * turn * (cost @ x)
-        told = np.cos(phase) + weight * np.cos(2.0 * phase)
+        evidence = np.cos(phase) + weight * np.cos(2.0 * phase)
         slope = np.sin(phase) + 2.0 * weight * np.sin(2.0 * phase)
         return (
-            float(0.5 * x @ force - told.sum()) / len(x),
+            float(0.5 * x @ force - evidence.sum()) / len(x),
             np.asarray(force - slope * turn) / len(x),
         )
 

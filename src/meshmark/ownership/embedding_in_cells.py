@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshmark.errors import CapacityError
-from meshmark.geometry.areas import longest_edges
 from meshmark.geometry.surface import Surface
 from meshmark.geometry.surface_of import surface_of_moved
 from meshmark.ownership.carriers.lattice import Lattice
@@ -48,7 +47,7 @@ def embed_in_cells(task: EmbeddingTask, *, still: NDArray[np.bool_] | None = Non
     """
     frame = task.surface.frame
     patch = preferred_spacings(frame.area)[0] * frame.scale
-    longest = longest_edges(task.surface.points, task.surface.faces) / patch
+    longest = task.surface.mean_face_length / patch
     if longest > LONG_EDGES[1]:
         raise CapacityError(too_long(longest, task.bits, task.strength))
     nearest: tuple[tuple[bool, int], str] | None = None
@@ -127,7 +126,7 @@ def _toughest(task: EmbeddingTask, shaping: Shaping) -> int:
         if shaping.rms(step) > BUDGET_SHARE * task.budget:
             return -1.0, 0.0
         borne = shaping.borne(step) / task.diagonal
-        return min(borne, TYPICAL_NOISE), shaping.told(step, TYPICAL_NOISE * task.diagonal)
+        return min(borne, TYPICAL_NOISE), shaping.expected_cosine(step, TYPICAL_NOISE * task.diagonal)
 
     # Loudness is about proportional to the step.
     middle = float(STEPS[len(STEPS) // 2])

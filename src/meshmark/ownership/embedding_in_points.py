@@ -122,12 +122,12 @@ def _choices(shaping: PointShaping, task: EmbeddingTask) -> Iterator[tuple[float
         left = [entry for entry in left if entry[1].step <= SMALLER * done.step or entry[1].mode != done.mode]
 
 
-def _worth(choice: Choice, told: float, bits: int) -> float:
-    """Return how much noise a mark of so many bits bears that tells so many of the code.
+def _worth(choice: Choice, carried: float, bits: int) -> float:
+    """Return how much noise a mark bears of an id of `bits` in this number of code bits.
 
     In units that only compare choices.
     """
-    return WORTH[choice.mode] * noise_borne(choice.step, told, bits)
+    return WORTH[choice.mode] * noise_borne(choice.step, carried, bits)
 
 
 def _made(task: EmbeddingTask, shaping: PointShaping, choice: Choice) -> Mesh | None:

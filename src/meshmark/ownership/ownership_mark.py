@@ -13,12 +13,12 @@ __all__ = ["OwnershipMark", "noise_borne"]
 _NEEDED, _REDUNDANCY = {64: 85, 32: 54, 0: 12}, 0.5
 
 
-def noise_borne(step: float, told: float, bits: int = 64) -> float:
-    """Return how much noise a mark bears whose step is this and that tells so many code bits of an id of `bits`.
+def noise_borne(step: float, carried: float, bits: int = 64) -> float:
+    """Return how much noise a mark of this step and this number of code bits bears, for an id of `bits`.
 
     In units that only compare marks of one surface, in cells or at points.
     """
-    return float(step * max(told - _NEEDED[bits], 0.0) ** _REDUNDANCY)
+    return float(step * max(carried - _NEEDED[bits], 0.0) ** _REDUNDANCY)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -114,7 +114,7 @@ STEP_TRIES: Final = 3
 # A sample of the surface is no longer than this share of a spacing (quadrature error below 0.003 spacings).
 LONGEST_SAMPLE: Final = 0.25
 
-# Samples of a suspect's shapes are gathered in cubes of so many longest samples.
+# Samples of a suspect's shapes are gathered in cubes whose edge is this number of longest samples.
 GATHER: Final = 0.7
 
 # (mass, flatness, largest |offset|): the embedder shapes every cell that the extractor might select.

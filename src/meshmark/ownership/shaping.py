@@ -101,7 +101,7 @@ class Shaping:
         turned = self._turning @ self._coefficients(self._whole(step))
         return float(np.quantile(self._seen.ratios_of(turned), 0.95))
 
-    def told(self, step: float, noise: float) -> float:
+    def expected_cosine(self, step: float, noise: float) -> float:
         """Return the mean cosine of the phases that a mark of this step leaves under noise.
 
         noise: standard deviation of each point's motion along its normal, scene units.
@@ -113,11 +113,11 @@ class Shaping:
         """Return the noise, in the same unit, under which a mark of this step can just be read; 0 where none."""
         needed = np.sqrt(NEEDED_BITS * np.log(2.0) / max(self.carriers, 1))
         low, high = 0.0, 2.0 * step * self._unit / float(np.median(self._bumps.spread))
-        if self.told(step, 0.0) < needed:
+        if self.expected_cosine(step, 0.0) < needed:
             return 0.0
         for _ in range(HALVINGS):
             middle = 0.5 * (low + high)
-            low, high = (middle, high) if self.told(step, middle) >= needed else (low, middle)
+            low, high = (middle, high) if self.expected_cosine(step, middle) >= needed else (low, middle)
         return low
 
     @property

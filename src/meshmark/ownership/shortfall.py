@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from meshmark.geometry.areas import face_areas, longest_edges
+from meshmark.geometry.areas import face_areas, face_lengths
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.ownership.carriers.cells import PLANE_MASS, Cells
 from meshmark.ownership.parameters import CARRIER_MINIMUM, EXTRACT_SELECTION
@@ -59,7 +59,7 @@ def surroundings_of(cells: Cells, placed: FloatArray, faces: IntArray) -> Surrou
         folded=float(surface[folded].sum()) / total,
         scattered=float(surface[scattered].sum()) / total,
         doubled=_mean(_repeated(faces).astype(np.float64), areas),
-        longest=longest_edges(placed, faces),
+        longest=_mean(face_lengths(placed, faces), areas),
     )
 
 

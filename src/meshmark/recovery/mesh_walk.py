@@ -1,101 +1,137 @@
-"""The walk over a small mesh that both sides of its coding take: faces are crossed edge by edge."""
+"""The walk over a small mesh that both sides of its coding take: faces are crossed edge by edge.
+
+Plain numbers, one edge at a time: arrays of three cost ten times as much. Only operations that IEEE 754 rounds
+exactly (+, -, *, /, sqrt), in an order that is written out, so that both sides agree on every machine.
+"""
 
 from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterator
-
-import numpy as np
+from dataclasses import dataclass
+from math import sqrt
 
 from meshmark.errors import InputError
-from meshmark.mesh import FloatArray, IntArray
-from meshmark.recovery.range_coder import Model
 
-__all__ = ["MeshWalk", "WalkModels"]
+__all__ = ["Gate", "MeshWalk", "Point", "Prediction"]
 
-# Distance of the nearest known point from the predicted place, in edge lengths: contexts of the models.
-NEAR = (0.35, 0.6, 0.9, 1.3)
-LENGTHS = 18
-KINDS = [[1, 2, 30], [1, 8, 16], [1, 16, 8], [1, 24, 4], [1, 30, 2]]
+Point = tuple[float, float, float]
+Gate = tuple[int, int, int]
+"""A directed edge that a further face may have, and the point on its other side."""
+
 MOST_POINTS = 60_000
+# Places, in steps, are nearer to the origin than this but in damaged bytes.
+FARTHEST = 2.0**24
 
 
-class WalkModels:
-    """The models of both sides; they learn alike."""
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Prediction:
+    """What a gate tells of the third corner of the face beyond it.
 
-    def __init__(self, bits: int) -> None:
-        self.kind = [Model(first) for first in KINDS]
-        self.rank = [Model([40, 8, 4, 2, 1, 1, 1, 1]) for _ in KINDS]
-        self.more = Model([2, 1])
-        likely = [1 + 12 * max(0, 3 - abs(length - (bits - 3))) for length in range(LENGTHS)]
-        self.length = [Model(likely) for _ in range(3)]
-        self.high = [[Model([1, 1]) for _ in range(LENGTHS)] for _ in range(3)]
+    place: where a parallelogram would have it; along, off, out: unit vectors along the edge, in the plane of the
+    face before and out of it; length: of the edge.
+    """
+
+    place: Point
+    along: Point
+    off: Point
+    out: Point
+    length: float
 
 
 class MeshWalk:
-    """What both sides know after each step: points, border edges, and the edges still to be crossed."""
+    """What both sides know after each step: points, faces, and the edges still to be crossed.
 
-    def __init__(self, bits: int) -> None:
-        self.places = np.zeros((MOST_POINTS, 3))
-        self.count = 0
-        self.open = np.zeros(MOST_POINTS, np.int64)
-        self.known: set[tuple[int, int]] = set()
-        self.gates: deque[tuple[int, int, int]] = deque()
-        self.models = WalkModels(bits)
+    faces_at: how many faces each point has.
+    """
+
+    def __init__(self) -> None:
+        self.places: list[Point] = []
         self.faces: list[tuple[int, int, int]] = []
+        self.faces_at: list[int] = []
+        self._known: set[tuple[int, int]] = set()
+        self._gates: deque[Gate] = deque()
+        # The ends of the open gates from each point, and the starts of those to it, in the order they came.
+        self._from: dict[int, dict[int, None]] = {}
+        self._to: dict[int, dict[int, None]] = {}
 
-    def add_point(self, place: FloatArray) -> int:
-        """Add a point and return its number; raises `InputError` beyond MOST_POINTS."""
-        if self.count == MOST_POINTS:
+    def add_point(self, place: Point) -> int:
+        """Add a point and return its number; raises `InputError` beyond MOST_POINTS, and beyond FARTHEST."""
+        if len(self.places) == MOST_POINTS:
             raise InputError(f"a miniature has too many points, expected at most {MOST_POINTS}")
-        self.places[self.count] = place
-        self.count += 1
-        return self.count - 1
+        if max(place) > FARTHEST or min(place) < -FARTHEST:
+            raise InputError(
+                "the miniature has a point too far from the others, expected one that meshmark made"
+            )
+        self.places.append(place)
+        self.faces_at.append(0)
+        return len(self.places) - 1
 
     def add_face(self, a: int, b: int, c: int) -> None:
         """Add a face; each of its edges that it has alone so far becomes one to be crossed."""
         self.faces.append((a, b, c))
+        known = self._known
         for start, end, across in ((a, b, c), (b, c, a), (c, a, b)):
-            self.known.add((start, end))
-            if (end, start) in self.known:
-                self.open[[start, end]] -= 1
-            else:
-                self.open[[start, end]] += 1
-                self.gates.append((end, start, across))
+            self.faces_at[start] += 1
+            known.add((start, end))
+            self._close(start, end)
+            if (end, start) not in known:
+                self._gates.append((end, start, across))
+                self._from.setdefault(end, {})[start] = None
+                self._to.setdefault(start, {})[end] = None
 
-    def next_gates(self) -> Iterator[tuple[int, int, int]]:
-        """Yield directed edges that a further face may have, and the point on the other side."""
-        while self.gates:
-            a, b, across = self.gates.popleft()
-            if (a, b) not in self.known:
-                yield a, b, across
+    def next_gates(self) -> Iterator[Gate]:
+        """Yield the gates, first come first, each closed when it is yielded."""
+        while self._gates:
+            gate = self._gates.popleft()
+            if gate[:2] not in self._known:
+                self._close(gate[0], gate[1])
+                yield gate
 
-    def predicted(self, a: int, b: int, across: int) -> tuple[FloatArray, FloatArray]:
-        """Return where a parallelogram would have the next point, and axes (3, 3): along, off, out."""
-        start, end, other = self.places[a], self.places[b], self.places[across]
-        along = _unit(end - start)
-        out = _unit(_cross(end - start, start - other))
-        return start + end - other, np.stack([along, _cross(out, along), out])
+    def _close(self, start: int, end: int) -> None:
+        ends = self._from.get(start)
+        if ends is not None and end in ends:
+            del ends[end], self._to[end][start]
+            if not ends:
+                del self._from[start]
 
-    def ranking(self, a: int, b: int, place: FloatArray) -> tuple[IntArray, int]:
-        """Return the border points, nearest to `place` first, and the context."""
-        self.open[[a, b]] += 1 << 30
-        rows = np.flatnonzero((self.open[: self.count] > 0) & (self.open[: self.count] < 1 << 29))
-        self.open[[a, b]] -= 1 << 30
-        squared = ((self.places[rows] - place) ** 2).sum(axis=1)
-        edge = self.places[a] - self.places[b]
-        order = rows[np.argsort(squared, kind="stable")]
-        nearest = float(squared.min()) if len(rows) else np.inf
-        share = (nearest / max(float(edge @ edge), 1.0)) ** 0.5
-        return order, int(np.searchsorted(NEAR, share))
+    def gap(self, gate: Gate) -> int | None:
+        """Return where the border goes on from the gate's end: the face beyond may close that gap."""
+        ends = self._from.get(gate[1])
+        return None if not ends else next((end for end in ends if end != gate[0]), None)
+
+    def leading(self, gate: Gate) -> int | None:
+        """Return from where the border comes to the gate's start."""
+        starts = self._to.get(gate[0])
+        return None if not starts else next((start for start in starts if start != gate[1]), None)
+
+    def border(self, place: Point) -> list[int]:
+        """Return the points of the border, nearest to `place` first."""
+        x, y, z = place
+
+        def order(point: int) -> tuple[float, int]:
+            u, v, w = self.places[point]
+            return (u - x) * (u - x) + (v - y) * (v - y) + (w - z) * (w - z), point
+
+        return sorted(self._from, key=order)
+
+    def predicted(self, gate: Gate) -> Prediction:
+        """Return what a gate tells of the third corner of the face beyond it."""
+        (ax, ay, az), (bx, by, bz), (cx, cy, cz) = (self.places[corner] for corner in gate)
+        ex, ey, ez = bx - ax, by - ay, bz - az
+        length = sqrt(ex * ex + ey * ey + ez * ez)
+        ux, uy, uz = _unit(ex, ey, ez)
+        sx, sy, sz = ax - cx, ay - cy, az - cz
+        nx, ny, nz = _unit(ey * sz - ez * sy, ez * sx - ex * sz, ex * sy - ey * sx)
+        return Prediction(
+            place=(ax + bx - cx, ay + by - cy, az + bz - cz),
+            along=(ux, uy, uz),
+            off=(ny * uz - nz * uy, nz * ux - nx * uz, nx * uy - ny * ux),
+            out=(nx, ny, nz),
+            length=length,
+        )
 
 
-def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Return a x b of two vectors (3,): numpy's own takes ten times as long for so few numbers."""
-    (ax, ay, az), (bx, by, bz) = a.tolist(), b.tolist()
-    return np.array([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
-
-
-def _unit(vector: FloatArray) -> FloatArray:
-    length = float(vector @ vector) ** 0.5
-    return vector / length if length > 0.0 else np.zeros(3)
+def _unit(x: float, y: float, z: float) -> Point:
+    length = sqrt(x * x + y * y + z * z)
+    return (x / length, y / length, z / length) if length > 0.0 else (0.0, 0.0, 0.0)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 __all__ = ["Decoder", "Encoder", "Model"]
 
 _TOP, _BITS = 1 << 32, 24
@@ -13,7 +15,7 @@ _MOST, _STEP = 1 << 14, 24
 class Model:
     """How often each of some symbols came; learns as it is used, the same way on both sides."""
 
-    def __init__(self, first: list[int]) -> None:
+    def __init__(self, first: Sequence[int]) -> None:
         """Start with these counts, all above 0."""
         self.counts = list(first)
         self.total = sum(self.counts)
@@ -39,7 +41,7 @@ class Encoder:
         model.learn(symbol)
 
     def bits(self, value: int, count: int) -> None:
-        """Write up to 16 bits as they are."""
+        """Write up to 20 bits as they are."""
         self._take(value, 1, 1 << count)
 
     def _take(self, start: int, width: int, total: int) -> None:
@@ -101,7 +103,7 @@ class Decoder:
         return symbol
 
     def bits(self, count: int) -> int:
-        """Read up to 16 bits."""
+        """Read up to 20 bits."""
         unit = self._range >> count
         value = min(self._code // unit, (1 << count) - 1)
         self._took(value, 1, unit)

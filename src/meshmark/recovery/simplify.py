@@ -11,17 +11,18 @@ import heapq
 
 import numpy as np
 
+from meshmark.geometry.adjacency import unique_edges
 from meshmark.geometry.areas import area_vectors
 from meshmark.mesh import FloatArray, IntArray
 
-__all__ = ["simplify"]
+__all__ = ["Simplification", "simplify"]
 
 Point = tuple[float, float, float]
 
 # The library's first thresholds suit models of this size; see `attacks.simplification`.
 SIZE = 2000.0
 # The library leaves this many points for each that is wanted, and at least AT_LEAST.
-FOR_EACH, AT_LEAST = 2.5, 1500
+FOR_EACH, AT_LEAST = 1.0, 300
 # Pull of border edges, and of points towards where they are, against the pull of faces.
 BORDER, STILL = 10.0, 1e-3
 LEAST_COSINE = 0.2
@@ -32,13 +33,25 @@ def simplify(points: FloatArray, faces: IntArray, count: int) -> tuple[FloatArra
 
     Faces with edges that more than two faces share stay as they are.
     """
-    first = max(int(FOR_EACH * count), AT_LEAST)
-    # A closed surface has two faces for each point, a polygon soup may have fewer faces than the target.
-    if len(points) > 1.2 * first and len(faces) > 2 * first:
-        coarse = _coarse(points, faces, 2 * first)
-        if len(coarse[1]):
-            points, faces = coarse
-    return _Collapser(points, faces).run(count)
+    return Simplification(points, faces, count).to(count)
+
+
+class Simplification:
+    """A surface that gets simpler step by step."""
+
+    def __init__(self, points: FloatArray, faces: IntArray, most: int) -> None:
+        """Prepare for at most `most` points."""
+        first = max(int(FOR_EACH * most), AT_LEAST)
+        # A closed surface has two faces for each point, a polygon soup may have fewer faces than the target.
+        if len(points) > 1.2 * first and len(faces) > 2 * first:
+            coarse = _coarse(points, faces, 2 * first)
+            if len(coarse[1]):
+                points, faces = coarse
+        self._mesh = _Collapser(points, faces)
+
+    def to(self, count: int) -> tuple[FloatArray, IntArray]:
+        """Return points and faces with about `count` points, which must be fewer each time."""
+        return self._mesh.run(count)
 
 
 def _coarse(points: FloatArray, faces: IntArray, target: int) -> tuple[FloatArray, IntArray]:
@@ -70,8 +83,14 @@ class _Collapser:
         for number, face in self.faces.items():
             for corner in face:
                 self.at[corner].add(number)
-        self.quadric = _quadrics(points, faces).tolist()
+        quadric = _quadrics(points, faces)
+        self.quadric: list[list[float]] = quadric.tolist()
         self.version = [0] * len(points)
+        self.alive = sum(1 for there in self.at if there)
+        edges = unique_edges(faces)
+        costs = _costs(points, quadric, edges)
+        self.heap = [(cost, a, b, 0, 0) for cost, (a, b) in zip(costs.tolist(), edges.tolist(), strict=True)]
+        heapq.heapify(self.heap)
 
     def ring(self, point: int) -> set[int]:
         """Return the neighbours of a point."""
@@ -83,12 +102,8 @@ class _Collapser:
 
     def run(self, count: int) -> tuple[FloatArray, IntArray]:
         """Collapse until `count` points are left."""
-        alive = sum(1 for there in self.at if there)
-        heap: list[tuple[float, int, int, int, int]] = []
-        for point in range(len(self.points)):
-            heap += [self._entry(point, other) for other in self.ring(point) if point < other]
-        heapq.heapify(heap)
-        while alive > count and heap:
+        heap = self.heap
+        while self.alive > count and heap:
             _, a, b, first, second = heapq.heappop(heap)
             if self.version[a] != first or self.version[b] != second or not self.at[a] or not self.at[b]:
                 continue
@@ -96,7 +111,7 @@ class _Collapser:
             if not self._allowed(a, b, place):
                 continue
             self._collapse(a, b, place)
-            alive -= 1
+            self.alive -= 1
             for other in self.ring(a):
                 heapq.heappush(heap, self._entry(min(a, other), max(a, other)))
         return self._result()
@@ -195,6 +210,23 @@ def _solved(matrix: tuple[float, float, float, float, float, float], right: Poin
         (two * x + four * y + five * z) / size,
         (three * x + five * y + six * z) / size,
     )
+
+
+def _costs(points: FloatArray, quadric: FloatArray, edges: IntArray) -> FloatArray:
+    """Return (e,): what the collapse of each edge (e, 2) costs, as `_Collapser._place` has it."""
+    one, other = points[edges[:, 0]], points[edges[:, 1]]
+    both, middle = quadric[edges[:, 0]] + quadric[edges[:, 1]], 0.5 * (one + other)
+    square = ((one - other) ** 2).sum(axis=1)
+    matrix = both[:, [0, 1, 2, 1, 3, 4, 2, 4, 5]].reshape(-1, 3, 3)
+    hold = STILL * np.trace(matrix, axis1=1, axis2=2) + 1e-30
+    held = matrix + hold[:, None, None] * np.eye(3)
+    solvable = np.linalg.det(held) > 0.0
+    held[~solvable] = np.eye(3)
+    place = np.linalg.solve(held, (both[:, 6:9] + hold[:, None] * middle)[:, :, None])[:, :, 0]
+    far = ~solvable | (((place - middle) ** 2).sum(axis=1) > square)
+    place[far] = middle[far]
+    cost = np.einsum("ij,ijk,ik->i", place, matrix, place) - 2.0 * (both[:, 6:9] * place).sum(axis=1)
+    return np.asarray(np.maximum(cost + both[:, 9], 0.0) + 1e-9 * square**2)
 
 
 def _quadrics(points: FloatArray, faces: IntArray) -> FloatArray:

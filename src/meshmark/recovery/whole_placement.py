@@ -18,7 +18,7 @@ from meshmark.recovery.same_points import grown_over_faces, same_places
 
 __all__ = ["PlacedWhole", "place_whole"]
 
-# A fit is repeated on the points that lie within so many times the median of what is left.
+# A fit is repeated on the points that lie within this multiple of the median of what is left.
 _ROUNDS, _WITHIN = 12, 4.0
 # Points are looked for this far off at first, over the diagonal.
 _FAR = 1e-2

@@ -72,11 +72,11 @@ def checked_copy(values: Mapping[str, Any]) -> Copy:
 def _mark(values: Mapping[str, Any]) -> MarkedWith | None:
     """Return how the copy is marked, None where no field says so; some of them only are refused."""
     names = [entry.name for entry in fields(MarkedWith)]
-    told = [name for name in names if values.get(name) not in (None, "")]
-    if not told:
+    given = [name for name in names if values.get(name) not in (None, "")]
+    if not given:
         return None
-    if missing := set(names) - set(told):
-        raise InputError(f"'{min(missing)}' is missing beside '{told[0]}'")
+    if missing := set(names) - set(given):
+        raise InputError(f"'{min(missing)}' is missing beside '{given[0]}'")
     return MarkedWith(
         strength=str(values["strength"]),
         layers=str(values["layers"]),

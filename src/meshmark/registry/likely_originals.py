@@ -14,7 +14,7 @@ from meshmark.registry.shape_descriptor import containment, described_at_sizes, 
 __all__ = ["MOST_CANDIDATES", "Candidate", "candidates"]
 
 MOST_CANDIDATES: Final = 10
-"""Originals that a suspect is compared with; of those of its own shape, recall is measured among so many."""
+"""Originals that a suspect is compared with; of those of its own shape, recall is measured among this number."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,7 +42,7 @@ def candidates(
     key : str
         Public fingerprint: originals without copies of this key are left out.
     most : int
-        At most so many.
+        Largest number of originals returned.
 
     Returns
     -------

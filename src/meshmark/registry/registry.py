@@ -139,6 +139,10 @@ class Registry:
         """Say that the file of a copy has its name; raises `RegistryError` where it was not entered."""
         self._change(id, key, PENDING, {"state": ISSUED})
 
+    def relocate(self, id: int, key: str, path: str) -> None:
+        """Say what the file of an issued copy is called now; raises `RegistryError` where there is no such copy."""
+        self._change(id, key, ISSUED, {"path": plain(path)})
+
     def withdraw(self, id: int, key: str) -> None:
         """Give up an id that is held for a copy of which no file came to be."""
         with self.database.writing() as connection:

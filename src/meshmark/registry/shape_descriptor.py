@@ -51,7 +51,7 @@ OF_PART: Final = 0.9
 
 _HEADER = np.dtype([("version", "u1"), ("unit", "<f4")])
 _VERSION = 1
-# A place counts for so many words, by distances in deviations, beyond the nearest, of this size.
+# A place counts for this many words, by distances in deviations, beyond the nearest, of this size.
 _NEIGHBOURS, _SOFTNESS = 3, 0.3
 # Irrational steps that spread places within triangles (the plastic number's powers).
 _STEPS = 0.7548776662466927, 0.5698402909980532

@@ -43,10 +43,10 @@ from meshmark.threads import on_one_thread
 
 __all__ = ["Match", "Trace", "trace"]
 
-# Of the ways in which copies of one original are marked (steps, spacings), so many are tried.
+# Of the ways in which copies of one original are marked (steps, spacings), this number is tried.
 _WAYS = 3
-# Candidates that are registered: so many, and those about as likely as the first. The first is searched for at all
-# scales, the others about where their descriptors fit.
+# Candidates that are registered: this number, and those about as likely as the first. The first is searched for at
+# all scales, the others about where their descriptors fit.
 _REGISTERED, _ALIKE = 4, 0.85
 _AROUND = (1.0, RATIO, 1.0 / RATIO)
 

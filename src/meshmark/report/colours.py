@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from meshmark.io.colors import to_linear
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["heat", "hex_colours", "lit_heat", "oklch", "palette", "region_colours", "to_linear", "to_srgb"]
@@ -78,11 +79,6 @@ def _touching(region: IntArray, faces: IntArray, count: int) -> NDArray[np.bool_
     for i, j in ((0, 1), (1, 2), (2, 0)):
         touching[region[faces[:, i]], region[faces[:, j]]] = True
     return touching | touching.T
-
-
-def to_linear(srgb: FloatArray) -> FloatArray:
-    """Return linear light for sRGB values in [0, 1]."""
-    return np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
 
 
 def to_srgb(linear: NDArray[np.floating[Any]]) -> NDArray[np.uint8]:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from meshmark.mesh import FloatArray, Mesh
-from meshmark.report.colours import lit_heat
+from meshmark.report.colours import lit_heat, to_srgb
+from meshmark.report.own_colours import own_colours
 from meshmark.report.view_layer import Layer, heat_layer, surface_layer
 
 __all__ = ["ROOT_TICKS", "displacement_layer", "displacement_shades", "own_surface", "saliency_layer"]
@@ -15,14 +16,17 @@ ROOT_TICKS = tuple(
 )
 """Ticks of a scale of square roots."""
 
+_AT_VERTICES = "Colours of textures are shown as they are at the vertices; still pictures show the textures."
+
 
 def own_surface(mesh: Mesh) -> Layer:
-    """Return the surface in the colours that its file has for each vertex, else in clay."""
-    attributes = None if mesh.document is None else mesh.document.attributes()
-    colours = None if attributes is None else attributes.colors
-    if colours is None or len(colours) != len(mesh.vertices):
-        return surface_layer(None)
-    return surface_layer(np.asarray(colours[:, :3], np.uint8))
+    """Return the surface in the colours that its file has, else in clay."""
+    own = own_colours(mesh)
+    colours = own.at_vertices()
+    shades = None if colours is None else to_srgb(colours)
+    if own.paint is None:
+        return surface_layer(shades)
+    return surface_layer(shades, note=_AT_VERTICES if own.paint.images else "", own=own.panel(""))
 
 
 def saliency_layer(mesh: Mesh) -> Layer:

@@ -12,8 +12,8 @@ from meshmark.geometry.weld import weld
 from meshmark.io.staging import Staging
 from meshmark.mesh import FloatArray, Mesh
 from meshmark.report.colours import heat
-from meshmark.report.demo_picture import vertex_colours
 from meshmark.report.mesh_panel import mesh_panel
+from meshmark.report.own_colours import own_panel
 from meshmark.report.picture import Bar, panels
 from meshmark.scene.stance import stance_of
 
@@ -33,8 +33,8 @@ def displacement_picture(
     diagonal = float(np.linalg.norm(np.ptp(first.vertices, axis=0))) or 1.0
     largest = float(away.max(initial=0.0))
     shown = (
-        mesh_panel(first, "A", vertex_colours(first)),
-        mesh_panel(second, "B", vertex_colours(second)),
+        own_panel(first, "A"),
+        own_panel(second, "B"),
         mesh_panel(second, "how far B is from A", heat(away / (largest or 1.0))),
     )
     ticks = tuple((at, f"{100 * at * largest / diagonal:.2g}") for at in (0.0, 0.25, 0.5, 0.75, 1.0))

@@ -10,7 +10,7 @@ from meshmark.coding.message import format_id
 from meshmark.io.staging import Staging
 from meshmark.mesh import Mesh
 from meshmark.report.common_layers import displacement_layer, displacement_shades, own_surface, saliency_layer
-from meshmark.report.demo_picture import vertex_colours
+from meshmark.report.own_colours import own_colours
 from meshmark.report.provenance import Provenance
 from meshmark.report.report_page import Report, write_report_page
 from meshmark.report.still_view import StillView, still_view
@@ -104,11 +104,11 @@ def _sure(made: Embedding) -> list[str]:
 
 
 def _pictures(original: Mesh, made: Embedding, shown: ViewSurface) -> list[StillView]:
-    own, shades = vertex_colours(original), displacement_shades(original.vertices, made.mesh.vertices)
+    own, shades = own_colours(original), displacement_shades(original.vertices, made.mesh.vertices)
     darkest = f"Displacement; darkest: {_percent(made.max_over_diagonal)} of the diagonal"
     panels = {
-        "Original": view_surface(original).panel(own),
-        "Marked": shown.panel(own),
+        "Original": own.on(view_surface(original)),
+        "Marked": own.on(shown),
         darkest: shown.panel(shades),
     }
     return [still_view(panel, PICTURE_VIEW, caption) for caption, panel in panels.items()]

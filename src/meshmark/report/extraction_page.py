@@ -11,7 +11,7 @@ from meshmark.coding.message import format_id
 from meshmark.io.staging import Staging
 from meshmark.mesh import Mesh
 from meshmark.report.common_layers import own_surface, saliency_layer
-from meshmark.report.demo_picture import vertex_colours
+from meshmark.report.own_colours import own_colours
 from meshmark.report.provenance import Provenance
 from meshmark.report.report_page import Report, Table, write_report_page
 from meshmark.report.still_view import front_and_back
@@ -74,9 +74,7 @@ def extraction_report(
         sure=_sure(found),
         provenance=origin,
         view=extraction_view(mesh, shown),
-        pictures=front_and_back(
-            shown.panel(vertex_colours(mesh)), PICTURE_VIEW, ("From the front", "From behind")
-        ),
+        pictures=front_and_back(own_colours(mesh).on(shown), PICTURE_VIEW, ("From the front", "From behind")),
         tables=_evidence(found),
     )
 

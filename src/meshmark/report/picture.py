@@ -13,9 +13,11 @@ from PIL import Image, ImageDraw, ImageFont
 
 from meshmark.geometry.view import three_quarter_view
 from meshmark.io.atomic_write import write_whole
+from meshmark.io.paint import Paint
 from meshmark.io.staging import Staging
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.report.colours import heat, to_srgb
+from meshmark.report.painted import painted_at
 from meshmark.report.raster import rasterise
 from meshmark.report.shade import Seen, light, see
 
@@ -35,6 +37,7 @@ class Panel:
     """One view of a surface.
 
     colours: None for clay; linear RGB in [0, 1], (p, 3) per point or (m, 3) per face; (k, 3) with `labels`.
+    paint:   of the faces, by which the colours are multiplied; without colours, its own.
     labels:  (p,) region of each point, an index into `colours`; borders are drawn between regions.
     marks:   points to draw as dots where they are seen.
     """
@@ -43,6 +46,7 @@ class Panel:
     points: FloatArray
     faces: IntArray
     colours: FloatArray | None = None
+    paint: Paint | None = None
     labels: IntArray | None = None
     marks: IntArray | None = None
 
@@ -132,6 +136,13 @@ def on_screen(
 
 def _colours(panel: Panel, seen: Seen) -> FloatArray:
     """Return (k, 3): the colour of the surface at each pixel that shows it."""
+    if panel.paint is None:
+        return _plain_colours(panel, seen)
+    painted = painted_at(panel.paint, seen.face, seen.weights.astype(np.float64))
+    return painted if panel.colours is None else painted * _plain_colours(panel, seen)
+
+
+def _plain_colours(panel: Panel, seen: Seen) -> FloatArray:
     if panel.colours is None:
         return np.broadcast_to(CLAY, (len(seen.face), 3))
     if panel.labels is not None:

@@ -11,7 +11,7 @@ from meshmark.geometry.view import level_view
 from meshmark.mesh import FloatArray, Mesh
 from meshmark.report.authentication_colours import CONDITION_COLOURS, failed_colours, in_order
 from meshmark.report.common_layers import displacement_layer, own_surface, saliency_layer
-from meshmark.report.demo_picture import vertex_colours
+from meshmark.report.own_colours import own_colours
 from meshmark.report.provenance import Provenance
 from meshmark.report.report_page import Report
 from meshmark.report.still_view import StillView, still_view
@@ -132,9 +132,9 @@ def _pictures(
 ) -> list[StillView]:
     before = view_surface(suspect, turn=turn)
     panels = {
-        "As it was found": before.panel(vertex_colours(suspect)),
+        "As it was found": own_colours(suspect).on(before),
         "What was altered": before.panel(failed_colours(found.failed_share)),
-        "Recovered": after[1].panel(vertex_colours(after[0])),
+        "Recovered": own_colours(after[0]).on(after[1]),
     }
     return [still_view(panel, PICTURE_VIEW, caption) for caption, panel in panels.items()]
 

@@ -10,8 +10,8 @@ from meshmark.geometry.weld import weld
 from meshmark.io.staging import Staging
 from meshmark.mesh import Mesh
 from meshmark.report.authentication_colours import failed_colours
-from meshmark.report.demo_picture import vertex_colours
 from meshmark.report.mesh_panel import mesh_panel
+from meshmark.report.own_colours import own_panel
 from meshmark.report.picture import Panel, panels
 from meshmark.scene.stance import stance_of
 
@@ -42,9 +42,9 @@ def recovery_triptych(
 def recovery_panels(suspect: Mesh, found: Authentication, whole: Mesh) -> tuple[Panel, Panel, Panel]:
     """Return the suspect in its own colours, the same with its tamper map, and the recovered model."""
     return (
-        mesh_panel(suspect, "as it was found", vertex_colours(suspect)),
+        own_panel(suspect, "as it was found"),
         mesh_panel(
             suspect, "share of failed checks: white none, red all", failed_colours(found.failed_share)
         ),
-        mesh_panel(whole, "recovered", vertex_colours(whole)),
+        own_panel(whole, "recovered"),
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 from meshmark.geometry.areas import vertex_normals
@@ -10,7 +11,7 @@ from meshmark.geometry.visibility import degrees_between
 from meshmark.io.staging import Staging
 from meshmark.mesh import Mesh
 from meshmark.report.colours import heat
-from meshmark.report.demo_picture import vertex_colours
+from meshmark.report.own_colours import own_panel
 from meshmark.report.picture import Panel, panels
 
 __all__ = ["DARKEST", "shading_picture"]
@@ -29,12 +30,11 @@ def shading_picture(
     """
     surface = surface_of(original)
     after, faces = marked.vertices[surface.vertex_of_point], surface.faces
-    own = vertex_colours(original)
-    colours = None if own is None else own[surface.vertex_of_point]
+    own = own_panel(original, "original")
     turned = degrees_between(vertex_normals(after, faces), vertex_normals(surface.points, faces))
     shown = (
-        Panel(caption="original", points=surface.points, faces=faces, colours=colours),
-        Panel(caption="marked", points=after, faces=faces, colours=colours),
+        own,
+        replace(own, caption="marked", points=after),
         Panel(
             caption=f"change of shading (darkest: normals turned by {DARKEST:g} degrees)",
             points=after,

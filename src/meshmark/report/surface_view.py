@@ -9,7 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from meshmark.report.colours import to_srgb
 from meshmark.report.view_layer import Layer
+from meshmark.report.view_skin import fits, skin_of
 from meshmark.report.view_surface import ViewSurface
 
 __all__ = ["surface_view"]
@@ -36,7 +38,8 @@ def surface_view(shown: ViewSurface, layers: Sequence[Layer], *, start: str, lab
     -------
     dict
         vertices, faces (counts), positions (uint16 on a grid over `box`), triangles (uint32), layers, start, label,
-        note. Arrays are {"type", "data"}: little-endian, in base64.
+        note. A painted surface has colours of corners, with `corners` true, and as `skin` its images. Arrays are
+        {"type", "data"}: little-endian, in base64.
     """
     low, high = shown.points.min(axis=0), shown.points.max(axis=0)
     scale = (
@@ -56,6 +59,24 @@ def surface_view(shown: ViewSurface, layers: Sequence[Layer], *, start: str, lab
     }
 
 
+def _painted(layer: Layer, shown: ViewSurface) -> dict[str, Any] | None:
+    """Return what of a layer is its paint, None where the view cannot show it: it has fewer triangles."""
+    own = layer.own
+    if own is None or own.paint is None or shown.shown_of is not None or not fits(own.paint):
+        return None
+    if len(own.paint.image) != len(shown.faces):
+        return None
+    colours = np.repeat(own.paint.factor.astype(np.float64)[:, None], 3, axis=1)
+    if own.colours is not None:
+        colours = colours * own.colours[own.faces]
+    painted: dict[str, Any] = {"values": _packed(to_srgb(colours), "uint8"), "corners": True, "note": ""}
+    if own.paint.images:
+        skin = skin_of(own.paint)
+        packed = {"image": _packed(skin["image"], "uint8"), "places": _packed(skin["places"], "uint16")}
+        painted["skin"] = {**skin, **packed}
+    return painted
+
+
 def _layer(layer: Layer, shown: ViewSurface) -> dict[str, Any]:
     values = None
     if layer.values is not None:
@@ -68,6 +89,7 @@ def _layer(layer: Layer, shown: ViewSurface) -> dict[str, Any]:
         "legend": layer.legend,
         "unit": layer.unit,
         "note": layer.note,
+        **(_painted(layer, shown) or {}),
     }
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.report.colours import hex_colours, lit_heat
+from meshmark.report.picture import Panel
 
 __all__ = ["NO_VALUE", "Layer", "category_layer", "heat_layer", "surface_layer"]
 
@@ -28,7 +29,8 @@ class Layer:
     name: by which scripts choose it; title: for the reader. kind: "surface", "categories" or "heat". values: (n, 3)
     uint8 sRGB, (n,) uint16 places in legend["entries"], or (n,) uint8 from 0 (first of legend["colours"]) to 254
     (last), 255 for none; None for a surface without colours of its own. legend: what the viewer draws, as JSON.
-    unit: above the scale, what its numbers are. note: a sentence below the legend.
+    unit: above the scale, what its numbers are. note: a sentence below the legend. own: of a surface with paint,
+    shown instead of the values where the view has all of its triangles.
     """
 
     name: str
@@ -38,11 +40,15 @@ class Layer:
     legend: dict[str, Any] | None = None
     unit: str = ""
     note: str = ""
+    own: Panel | None = None
 
 
-def surface_layer(colours: NDArray[np.uint8] | None) -> Layer:
-    """Return the layer of the surface as it is; colours: (n, 3) sRGB of its vertices, None for plain clay."""
-    return Layer(name="surface", title="Surface", kind="surface", values=colours)
+def surface_layer(colours: NDArray[np.uint8] | None, *, note: str = "", own: Panel | None = None) -> Layer:
+    """Return the layer of the surface as it is.
+
+    colours: (n, 3) sRGB of its vertices, None for plain clay. note, own: see `Layer`.
+    """
+    return Layer(name="surface", title="Surface", kind="surface", values=colours, note=note, own=own)
 
 
 def heat_layer(

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from meshmark.geometry.adjacency import unique_edges
+from meshmark.geometry.connectivity import Connectivity
 from meshmark.geometry.sampling import plan_samples
 from meshmark.geometry.scale_space import random_walk
 from meshmark.ownership.carriers.cells import measure_cells
 from meshmark.ownership.carriers.nodes import find_nodes
-from meshmark.ownership.carriers.relief import measure_relief
+from meshmark.ownership.carriers.relief import Umbrellas, measure_relief
 from meshmark.ownership.carriers.selection import select_cells
 from tests.shapes import pebble
 
@@ -19,6 +20,10 @@ from tests.shapes import pebble
 def placed():
     points, faces = pebble(140)
     return points / np.abs(points).max() * 3.0 + 0.3, faces
+
+
+def joined(faces):
+    return Connectivity(count=faces.max() + 1, faces=faces)
 
 
 def read(points, faces):
@@ -38,7 +43,7 @@ def test_bending_is_what_a_little_smoothing_does(placed, roughness, limits):
     points, faces = placed
     rough = points + roughness * np.random.default_rng(1).normal(size=points.shape)
     cells = read(rough, faces)
-    relief = measure_relief(rough, faces, cells)
+    relief = measure_relief(rough, Umbrellas.of(rough, joined(faces)), cells)
     walk = random_walk(rough, unique_edges(faces))
     first = walk @ rough - rough
     for column, move in enumerate((first, walk @ first - first)):
@@ -60,7 +65,7 @@ def test_grain_is_the_spread_that_noise_makes(placed):
     )
     # The umbrella of pure noise is larger than the noise: by sqrt(1 + 1/6) where a point has six neighbours.
     noisy = points + amount * rng.normal(size=points.shape)
-    grain = measure_relief(noisy, faces, cells).grain / np.sqrt(1.0 + 1.0 / 6.0)
+    grain = measure_relief(noisy, Umbrellas.of(noisy, joined(faces)), cells).grain / np.sqrt(1.0 + 1.0 / 6.0)
     ratio = grain / draws.std(axis=0)
     assert 0.8 < np.median(ratio) < 1.25
 
@@ -71,8 +76,8 @@ def test_rows_follow_their_cells_and_inputs_stay(placed):
     points.setflags(write=False)
     faces.setflags(write=False)
     cells = read(points, faces)
-    relief = measure_relief(points, faces, cells)
+    relief = measure_relief(points, Umbrellas.of(points, joined(faces)), cells)
     index = np.array([5, 0, 3])
-    part = measure_relief(points, faces, cells.take(index))
+    part = measure_relief(points, Umbrellas.of(points, joined(faces)), cells.take(index))
     np.testing.assert_allclose(part.bending, relief.take(index).bending, rtol=1e-12)
     np.testing.assert_allclose(part.grain, relief.take(index).grain, rtol=1e-12)

@@ -184,6 +184,8 @@ def test_with_a_registry_copies_are_entered_listed_and_traced(registry_server, t
     assert [each["recipient"] for each in found["result"]["matches"]] == ["Ann"]
     assert (record["id"], record["original"]) == (job["result"]["id"], "small.ply")
     assert nobody == []
+    assert record["path"] == "small_marked.ply", "its place on the server is gone in an hour"
+    assert [each["kind"] for each in found["downloads"]] == ["report"]
 
 
 def test_a_key_that_others_can_read_is_refused(server, pebble_file):

@@ -190,6 +190,22 @@ def test_tabs_and_the_choice_of_light_work_by_keyboard(visit, server):
     assert page.locator("#keys").is_visible()
 
 
+def test_whose_copy_a_suspect_is(visit, registry_server, axe, tmp_path):
+    write_mesh(Mesh(*pebble(34)), tmp_path / "vase.ply")
+    fields = {"recipient": "Eve", "id": "00000000000000a1", "layers": "ownership"}
+    job = registry_server.run("embed", tmp_path / "vase.ply", **fields)
+    marked = registry_server.save(job, "model", tmp_path)
+    one = visit(registry_server, f"/#token={registry_server.token}")
+    one.begin("owner", marked)
+    assert one.verdict("owner") == "This is the copy of Eve"
+    assert "00000000000000a1" in one.page.locator("#owner .table").inner_text()
+    assert axe(one.page) == []
+    one.page.locator("#owner .choice label").first.click()
+    assert one.page.locator("#owner form > .main").inner_text() == "Look for the mark"
+    assert one.page.locator("#owner [data-drop=original]").count() == 1
+    one.trouble.clear()  # the page asked before it had its token
+
+
 def test_with_a_token_and_a_registry_the_first_key_is_made_and_copies_are_listed(visit, registry_server):
     server, token = registry_server, registry_server.token
     one = visit(server)

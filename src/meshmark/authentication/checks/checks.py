@@ -14,7 +14,7 @@ from meshmark.authentication.checks.ring_reading import chance_of
 from meshmark.authentication.checks.setting_search import likeliest_setting
 from meshmark.authentication.checks.sweep import Sweep, sweep
 from meshmark.authentication.marks.candidates import HEADER, PAYLOAD, PLACE, Candidates
-from meshmark.authentication.marks.ring_shapes import in_style, ring_shapes
+from meshmark.authentication.marks.ring_shapes import RingShapes, in_style, ring_shapes
 from meshmark.authentication.marks.rings import Rings
 from meshmark.authentication.marks.rings_of import rings_of
 from meshmark.authentication.marks.signed_word import signed_points, signed_word
@@ -25,7 +25,7 @@ from meshmark.geometry.shown import Shown
 from meshmark.geometry.surface import Surface
 from meshmark.mesh import FloatArray, IntArray
 
-__all__ = ["Checks", "check"]
+__all__ = ["Checks", "check", "shapes_of"]
 
 # A mark of a copy lies where its original does if it is off by at most this number of the smallest steps.
 _COINCIDENT = 8.0
@@ -74,15 +74,27 @@ class Checks:
         return Scale() if self.frame is None else self.frame.scale
 
 
-def check(surface: Surface, key: Key, nonce: int | None = None, payload: Expected | None = None) -> Checks:
+def shapes_of(surface: Surface) -> list[RingShapes]:
+    """Return the shapes of a surface's rings, which several checks of it share."""
+    return [ring_shapes(surface.points, group) for group in rings_of(surface)]
+
+
+def check(
+    surface: Surface,
+    key: Key,
+    nonce: int | None = None,
+    payload: Expected | None = None,
+    *,
+    shapes: list[RingShapes] | None = None,
+) -> Checks:
     """Read every point's ring as a mark of this key.
 
     nonce: the model's id; None: the one that the marks report. payload: what the marks should say, where it has
-    been decoded; a mark that says anything else does not hold.
+    been decoded; a mark that says anything else does not hold. shapes: those of `shapes_of`, where they are there.
     """
     points = surface.points
     rings = rings_of(surface)
-    shapes = [ring_shapes(points, group) for group in rings]
+    shapes = shapes_of(surface) if shapes is None else shapes
     setting = likeliest_setting(points, rings, shapes, key, nonce)
     if setting is None:
         return _nothing(len(points))

@@ -13,12 +13,12 @@ from meshmark.authentication.parameters import Layout
 from meshmark.coding.keys import Key
 from meshmark.mesh import IntArray
 
-__all__ = ["likeliest_id"]
+__all__ = ["likeliest_id", "marks_of_ids"]
 
 # Where ids are more than this they are first tried on a few marks, of which some must hold. They are those nearest
 # to whole places, most of which are marks.
 _MANY, _FIRST, _HOLD = 4096, 4, 2
-# The rest is tried on so many marks that this number of pairs is tried, and the best few ids on a sample of all.
+# The rest is tried on as many marks as make this number of pairs, and the best few ids on a sample of all.
 _PAIRS, _LEAST, _MOST, _BEST, _SAMPLE = 60_000, 16, 200, 8, 600
 
 
@@ -39,17 +39,17 @@ def likeliest_id(found: Candidates, key: Key, layout: Layout, most: int) -> tupl
         return None, tried
     near = np.argsort(np.abs(rest.place - rest.whole).max(axis=1), kind="stable")
     if tried > _MANY:
-        ids = ids[_held(rest.take(near[:_FIRST]), key, layout, ids) >= _HOLD]
+        ids = ids[marks_of_ids(rest.take(near[:_FIRST]), key, layout, ids) >= _HOLD]
     if len(ids) > _BEST:
         marks = int(np.clip(_PAIRS // len(ids), _LEAST, _MOST))
-        held = _held(rest.take(near[:marks]), key, layout, ids)
+        held = marks_of_ids(rest.take(near[:marks]), key, layout, ids)
         ids = ids[np.argsort(-held, kind="stable")[:_BEST]]
     some = rest.take(np.arange(0, len(near), max(len(near) // _SAMPLE, 1)))
     counts = [int(read_marks(some, key, layout, int(each)).holds.sum()) for each in ids]
     return (int(ids[int(np.argmax(counts))]) if counts else None), tried
 
 
-def _held(found: Candidates, key: Key, layout: Layout, ids: NDArray[np.uint64]) -> IntArray:
+def marks_of_ids(found: Candidates, key: Key, layout: Layout, ids: NDArray[np.uint64]) -> IntArray:
     """Return (k,): how many of the candidates are marks of each of the ids (k,)."""
     count = len(found.vertex)
     rows = np.tile(np.arange(count), len(ids))

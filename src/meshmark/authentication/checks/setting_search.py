@@ -30,6 +30,7 @@ from meshmark.authentication.parameters import (
     Style,
 )
 from meshmark.coding.keys import Key
+from meshmark.geometry.blocks import blocks
 from meshmark.mesh import FloatArray
 
 __all__ = ["Setting", "all_candidates", "likeliest_setting", "plain_candidates"]
@@ -38,8 +39,8 @@ __all__ = ["Setting", "all_candidates", "likeliest_setting", "plain_candidates"]
 _SAMPLE, _SAMPLE_BLIND = 600, 2500
 # A ring this near (in levels) to where the level changes, or may change, is tried on both sides.
 _LEVEL_DOUBT = 0.05
-# Steps that are tried first, of each style: for this error over the diagonal, and so many levels from there: from a
-# little below the finest that models get to eight times that; and those for a grid on the longest side, which is
+# Steps that are tried first, of each style: for this error over the diagonal, and this number of levels up, from
+# a little below the finest that models get to eight times that; and those for a grid on the longest side, which is
 # 0.58 to 1 diagonals long. What they report is taken where its chance is below this, and the doubt about the step
 # (levels) at most that.
 _LIKELY: tuple[tuple[Style, float, range], ...] = (
@@ -50,6 +51,8 @@ _CLEAR_LOG10, _CLEAR = -6.0, 0.25
 # Number of the marks that hold under one step which may do so by luck.
 _BY_LUCK = 3
 _SAME, _NEXT = 1e-9, 0.25
+# Rings that are read at a time.
+_BLOCK = 1 << 16
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -218,9 +221,12 @@ def plain_candidates(
 ) -> Candidates:
     """Return the one candidate of each ring that a file of full precision has."""
     level = np.floor(level_of(shapes, setting.unit)).astype(np.int64)
-    rows = np.flatnonzero((level >= LEVELS[0]) & (level <= LEVELS[-1]))
-    plain = candidates(points, rings.take(rows), shapes.take(rows), level[rows], subkey, all_ways=False)
-    return as_laid_out(plain, setting.layout)
+    possible = np.flatnonzero((level >= LEVELS[0]) & (level <= LEVELS[-1]))
+    plain = [
+        candidates(points, rings.take(rows), shapes.take(rows), level[rows], subkey, all_ways=False)
+        for rows in (possible[block] for block in blocks(max(len(possible), 1), _BLOCK))
+    ]
+    return as_laid_out(joined(plain), setting.layout)
 
 
 def all_candidates(

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshmark.authentication.checks.carried import Expected
+from meshmark.authentication.checks.likeliest_id import marks_of_ids
 from meshmark.authentication.checks.ring_reading import Read, read_marks
 from meshmark.authentication.checks.setting_search import Setting, all_candidates, plain_candidates
 from meshmark.authentication.marks.candidates import (
@@ -24,10 +25,9 @@ from meshmark.authentication.marks.ring_shapes import RingShapes
 from meshmark.authentication.marks.rings import Rings
 from meshmark.authentication.marks.symbols import read_header
 from meshmark.authentication.marks.words import PURPOSE
-from meshmark.authentication.parameters import Layout
 from meshmark.coding.keys import Key
 from meshmark.geometry.blocks import blocks
-from meshmark.mesh import FloatArray, IntArray
+from meshmark.mesh import FloatArray
 
 __all__ = ["Sweep", "able_rings", "sweep", "vouched"]
 
@@ -38,8 +38,8 @@ _MARGIN = 1.1
 _ROUNDED, _NEAR = 0.03, 0.15
 # Marks beside those that tell the id on which each likely one is tried.
 _SAMPLE = 600
-# One in so many of these tells most of the wrong ids: those that have less than half as many marks as the best one,
-# by this number, which may hold by luck.
+# One in this number of these tells most of the wrong ids: those that have less than half as many marks as the best
+# one, by this number, which may hold by luck.
 _SCREENED, _BY_LUCK = 6, 3
 # Rings whose candidates are made at once: a large model's would take gigabytes meanwhile.
 _BLOCK = 1 << 16
@@ -167,11 +167,10 @@ def _reported_id(found: Candidates, key: Key, setting: Setting) -> int | None:
     if not likely:
         return None
     few = some.take(np.arange(0, len(some.vertex), _SCREENED))
-    held = _held(few, key, setting.layout, likely)
+    held = marks_of_ids(few, key, setting.layout, np.array(likely, np.uint64))
     likely = [likely[each] for each in np.flatnonzero(held >= held.max() / 2 - _BY_LUCK)]
-    return likely[int(_held(some, key, setting.layout, likely).argmax())] if len(likely) > 1 else likely[0]
-
-
-def _held(found: Candidates, key: Key, layout: Layout, likely: list[int]) -> IntArray:
-    """Return (k,): how many of the candidates are marks of each of the likely ids."""
-    return np.array([int(read_marks(found, key, layout, each).holds.sum()) for each in likely])
+    if len(likely) == 1:
+        return likely[0]
+    return likely[
+        int(np.argmax([read_marks(some, key, setting.layout, each).holds.sum() for each in likely]))
+    ]

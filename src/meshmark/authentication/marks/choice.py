@@ -14,7 +14,7 @@ from meshmark.authentication.marks.rings import Rings
 from meshmark.geometry.connectivity import Connectivity
 from meshmark.mesh import FloatArray, IntArray
 
-__all__ = ["alike", "firm_first", "firm_points"]
+__all__ = ["alike", "completed", "firm_first", "firm_points"]
 
 
 def firm_points(points: FloatArray, parts: Iterable[tuple[Rings, RingShapes]]) -> NDArray[np.bool_]:
@@ -36,8 +36,26 @@ def firm_first(
     """Return (p,): a maximal set of `allowed` (p,) points without neighbours in it, `firm` (p,) ones first."""
     chosen = independent_points(connectivity.edges, allowed & firm, chance)
     if (allowed & ~firm).any():
-        free = allowed & ~chosen & ~(connectivity.graph @ chosen.astype(np.float64) > 0.0)
-        chosen |= independent_points(connectivity.edges, free, chance)
+        chosen = completed(connectivity, chosen, allowed, allowed, chance)
+    return chosen
+
+
+def completed(
+    connectivity: Connectivity,
+    chosen: NDArray[np.bool_],
+    allowed: NDArray[np.bool_],
+    first: NDArray[np.bool_],
+    chance: FloatArray,
+) -> NDArray[np.bool_]:
+    """Return (p,): the `chosen` points, which are no neighbours, and more until the set is maximal.
+
+    Those of the `allowed` (p,) that are among the `first` (p,) come before the others.
+    """
+    for some in (first, allowed):
+        free = allowed & some & ~chosen
+        free[free] = ~((connectivity.graph @ chosen.astype(np.float64))[free] > 0.0)
+        if free.any():
+            chosen = chosen | independent_points(connectivity.edges, free, chance)
     return chosen
 
 

@@ -21,7 +21,7 @@ from meshmark.authentication.marks.candidates import (
     room,
     step_of,
 )
-from meshmark.authentication.marks.choice import alike, firm_first, firm_points
+from meshmark.authentication.marks.choice import alike, completed, firm_first, firm_points
 from meshmark.authentication.marks.model_cells import cells_of, masks
 from meshmark.authentication.marks.ring_shapes import RingShapes, ring_shapes
 from meshmark.authentication.marks.rings import Rings
@@ -164,13 +164,17 @@ def plan(surface: Surface, key: Key, precision: float, choice: int = 0, style: S
                 found = as_laid_out(_found(points, parts, chosen, unit, key), layout)
                 ample = (found.kind == HEADER).sum() >= _AMPLE * pieces_of_id(layout.symbol)
                 for _ in range(_UNALIKE if ample else 0):
-                    if not len(alike(found)):
+                    gone = alike(found)
+                    if not len(gone):
                         break
                     # Others are taken where they can be for marks of rings that are alike.
                     firm = firm.copy()
-                    firm[alike(found)] = False
-                    chosen = firm_first(surface.connectivity, allowed, firm, chance)
-                    found = as_laid_out(_found(points, parts, chosen, unit, key), layout)
+                    firm[gone] = False
+                    before, chosen = chosen, chosen.copy()
+                    chosen[gone] = False
+                    chosen = completed(surface.connectivity, chosen, allowed, firm, chance)
+                    added = _found(points, parts, chosen & ~before, unit, key)
+                    found = joined([found.take(chosen[found.vertex]), as_laid_out(added, layout)])
                 return Plan(
                     surface=surface,
                     found=found,

@@ -94,7 +94,7 @@ def match_corners(corners: FloatArray, points: FloatArray, faces: IntArray) -> l
 
 
 def _largest(points: FloatArray, faces: IntArray, most: int) -> FloatArray:
-    """Return the corners (k, 3, 3) of the largest faces, at most so many."""
+    """Return the corners (k, 3, 3) of the largest faces, at most `most`."""
     order = np.argsort(-face_areas(points, faces), kind="stable")
     return np.asarray(points[faces[order[:most]]])
 

@@ -16,9 +16,10 @@ from meshmark.document import KINDS, Deviation
 from meshmark.errors import FormatError
 from meshmark.io.gltf.accessor import open_accessor
 from meshmark.io.gltf.animations import animated
+from meshmark.io.gltf.base_colour import material_of
 from meshmark.io.gltf.container import Container
 from meshmark.io.gltf.deformation import morph_displacement, skin_displacement
-from meshmark.io.gltf.hidden_faces import hidden_faces, material_of
+from meshmark.io.gltf.hidden_faces import hidden_faces
 from meshmark.io.gltf.node_tree import Nodes, Showing, scene_roots
 from meshmark.io.gltf.scene import Primitive, Scene
 from meshmark.io.gltf.schema import Json, integer, objects, reference

@@ -10,8 +10,8 @@ from hashlib import blake2b
 from typing import Any
 
 from meshmark.errors import FormatError
+from meshmark.io.gltf.base_colour import material_of
 from meshmark.io.gltf.container import Container
-from meshmark.io.gltf.hidden_faces import material_of
 from meshmark.io.gltf.images import image_bytes, image_of_texture
 from meshmark.io.gltf.scene import Scene
 from meshmark.io.gltf.schema import Json

@@ -10,7 +10,7 @@ from meshmark.io.image_magic import HEAD, is_image
 from meshmark.io.inside import head_inside, read_inside
 from meshmark.io.obj.keyword_lines import Rows
 
-__all__ = ["material_files"]
+__all__ = ["library_text", "material_files", "named_files"]
 
 _IMAGE = re.compile(rb"[ \t]*(?:map_\w+|bump|disp|decal|refl|norm)[ \t]+(.+)", re.IGNORECASE)
 _MATERIAL = re.compile(rb"^[ \t]*newmtl\b", re.MULTILINE | re.IGNORECASE)
@@ -26,21 +26,21 @@ def material_files(libraries: Rows, path: Path) -> tuple[Path, ...]:
     """
     found: dict[Path, None] = {}
     home = path.parent
-    for name in _named(libraries.texts()):
-        content = _library(home, name)
+    for name in named_files(libraries.texts()):
+        content = library_text(home, name)
         if content is None:
             continue
         found[home / name] = None
         beside = PurePosixPath(name).parent
         images = [line[1] for line in map(_IMAGE.match, content.splitlines()) if line]
-        for image in _named(images):
+        for image in named_files(images):
             place = str(beside / image)
             if is_image(head_inside(home, place, HEAD)):
                 found[home / place] = None
     return tuple(origin for origin in found if origin != path)
 
 
-def _library(home: Path, name: str) -> bytes | None:
+def library_text(home: Path, name: str) -> bytes | None:
     """Return the text of a material library, None for any other file."""
     try:
         content = read_inside(home, name, _MAX_LIBRARY)
@@ -49,7 +49,7 @@ def _library(home: Path, name: str) -> bytes | None:
     return content if _MATERIAL.search(content) and b"\0" not in content else None
 
 
-def _named(lines: Iterable[bytes]) -> Iterator[str]:
+def named_files(lines: Iterable[bytes]) -> Iterator[str]:
     """Yield what may be the name of a file on each line, relative to the folder of the file with the lines."""
     for line in lines:
         words = line.decode("utf-8", "replace").split("#")[0].strip()

@@ -10,6 +10,7 @@ from meshmark.errors import FormatError
 from meshmark.io.obj.attributes import obj_attributes
 from meshmark.io.obj.keyword_lines import corner_indices, obj_lines
 from meshmark.io.obj.materials import material_files
+from meshmark.io.obj.obj_paint import obj_paint
 from meshmark.io.patch_document import PatchDocument, patch_document
 from meshmark.io.polygons import fan_corners
 from meshmark.io.text.positions import text_positions
@@ -58,4 +59,5 @@ def parse_obj(data: bytes, path: Path) -> PatchDocument:
         remarks=remarks,
         gaps=positions.gaps,
         shown_too=shown_too,
+        load_paint=partial(obj_paint, data, path),
     )

@@ -13,7 +13,7 @@ sample reaches only the eight nodes around it.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,7 +25,9 @@ from meshmark.geometry.sampling import Samples
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.ownership.carriers.nodes import REACH, find_nodes, surroundings
 
-__all__ = ["Cells", "border_gradient", "cell_gradient", "measure_cells"]
+__all__ = ["Cells", "border_gradient", "cell_gradient", "gradient_pairs", "measure_cells"]
+
+_Change = Callable[[IntArray, IntArray, FloatArray, FloatArray], FloatArray]
 
 PLANE_MASS = np.pi / 4.0  # integral of the window over a plane through its node
 POWER = 3
@@ -101,13 +103,21 @@ def cell_gradient(samples: Samples, cells: Cells) -> sp.csr_array:
     The flux of a field F through a moving closed surface changes by the integral of div F times the normal
     motion: div(w (x - c)) = 3 w + (x - c) . grad w for the numerator, N . grad w for the denominator's length.
     """
+    return _matrix(samples.positions, cells, _flux_change(cells))
 
+
+def gradient_pairs(positions: FloatArray, cells: Cells) -> Iterator[tuple[IntArray, IntArray, FloatArray]]:
+    """Yield cells, samples and `cell_gradient` (k,) of each for samples at positions (q, 3), some at a time."""
+    return _pairs(positions, cells, _flux_change(cells), blocks(len(positions)))
+
+
+def _flux_change(cells: Cells) -> _Change:
     def change(row: IntArray, _: IntArray, arm: FloatArray, inside: FloatArray) -> FloatArray:
         slope = -2.0 * POWER * inside ** (POWER - 1)  # grad w = slope * arm
-        along = np.einsum("qi,qi->q", arm, cells.normal[row])
+        along = np.einsum("qi,qi->q", arm, cells.normal.take(row, axis=0))
         return np.asarray(3.0 * inside**POWER + slope * (1.0 - inside) - cells.offset[row] * slope * along)
 
-    return _at_pairs(samples.positions, cells, change)
+    return change
 
 
 def border_gradient(edges: EdgeSamples, direction: FloatArray, cells: Cells) -> sp.csr_array:
@@ -121,28 +131,31 @@ def border_gradient(edges: EdgeSamples, direction: FloatArray, cells: Cells) -> 
         field = arm - cells.offset[row, None] * cells.normal[row]
         return np.asarray(inside**POWER * np.einsum("qi,qi->q", field, turned[sample]))
 
-    return _at_pairs(edges.positions, cells, change)
+    return _matrix(edges.positions, cells, change)
 
 
-def _at_pairs(
-    positions: FloatArray,
-    cells: Cells,
-    change: Callable[[IntArray, IntArray, FloatArray, FloatArray], FloatArray],
-) -> sp.csr_array:
+def _matrix(positions: FloatArray, cells: Cells, change: _Change) -> sp.csr_array:
     """Return (n, q): `change(row, sample, arm, 1 - r^2)` over the cell's flux, for samples within its window."""
     shape = (len(cells.nodes), len(positions))
     if 0 in shape:
         return sp.csr_array(shape)
-    around = surroundings(np.clip(positions, 2 - REACH, REACH - 2))
-    row_of = find_nodes(cells.nodes, around.nodes)
-    rows, columns, values = [], [], []
-    for corner, inside, node in around.windows(slice(None)):
-        row = row_of.take(node)
-        hit = np.flatnonzero((row >= 0) & (inside > 0.0))
-        rows.append(row[hit])
-        columns.append(hit)
-        moved = change(row[hit], hit, around.fraction[hit] - corner, inside[hit])
-        values.append(moved / (cells.mass[row[hit]] * PLANE_MASS))
+    rows, columns, values = zip(*_pairs(positions, cells, change, [slice(None)]), strict=True)
     return sp.csr_array(
         (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=shape
     )
+
+
+def _pairs(
+    positions: FloatArray, cells: Cells, change: _Change, parts: Iterable[slice]
+) -> Iterator[tuple[IntArray, IntArray, FloatArray]]:
+    """Yield rows of cells, samples and values of the matrix, for each part of the samples and corner of cubes."""
+    around = surroundings(np.clip(positions, 2 - REACH, REACH - 2))
+    row_of = find_nodes(cells.nodes, around.nodes)
+    for part in parts:
+        start, fraction = part.start or 0, around.fraction[part]
+        for corner, inside, node in around.windows(part):
+            row = row_of.take(node)
+            hit = np.flatnonzero((row >= 0) & (inside > 0.0))
+            row = row[hit]
+            moved = change(row, start + hit, fraction.take(hit, axis=0) - corner, inside[hit])
+            yield row, start + hit, moved / (cells.mass[row] * PLANE_MASS)

@@ -102,9 +102,9 @@ def _grow(
     while True:
         held = order[:count]
         # What the cells so far leave open: the inverse of their information, with what was expected at first.
-        told = weight[held] * np.maximum(np.cos(psi[held] + gradient[held] @ place), 0.0)
+        information = weight[held] * np.maximum(np.cos(psi[held] + gradient[held] @ place), 0.0)
         response = gradient[held] * expected
-        values, turn = np.linalg.eigh((response.T * told) @ response + np.eye(len(expected)))
+        values, turn = np.linalg.eigh((response.T * information) @ response + np.eye(len(expected)))
         ways = expected[:, None] * (turn / np.sqrt(values))
         count = min(int(count * GROWTH), len(order))
         wider = order[:count]

@@ -50,5 +50,5 @@ class Reading:
 
         Of an average of two copies it is positive where the two have the same bit, else negative.
         """
-        told = np.where(self.keys.pilot, 0.0, np.cos(2.0 * self.phase))
-        return np.bincount(self.keys.code_index, told, LENGTH).astype(np.float64)
+        cosine = np.where(self.keys.pilot, 0.0, np.cos(2.0 * self.phase))
+        return np.bincount(self.keys.code_index, cosine, LENGTH).astype(np.float64)

@@ -18,7 +18,7 @@ __all__ = ["sweep"]
 
 # Where moments are alike their axes turn: by so much, in radians, over the gap between them, and at most.
 TURNS, MOST = 3e-5, 0.03
-# Turns are this far apart, in radians, and judged by so many points, at steps of at least this index.
+# Turns are this far apart, in radians, and judged by this number of points, at steps of at least this index.
 APART, JUDGES, COARSE = 6e-4, 250, 6
 
 

@@ -8,7 +8,7 @@ from itertools import product
 import numpy as np
 
 from meshmark.geometry.frame import frame_alternatives
-from meshmark.geometry.sampling import plan_samples
+from meshmark.geometry.sampling import SamplerPlans
 from meshmark.ownership.carriers.pose import Pose
 from meshmark.ownership.carriers.quantisation import lock_score
 from meshmark.ownership.carriers.reading import Reading
@@ -32,11 +32,15 @@ def readings_as_it_stands(search: Search) -> Iterator[Reading]:
     surface = search.surface
     frame = surface.frame
     canonical = frame.to_canonical(surface.points)
+    plans = SamplerPlans(surface.faces, surface.face_lengths / frame.scale)
+    sampler, samples = None, None
     rich = 0
     labels = search.labels(surface.invariants)
     for spacing in search.spacings_for(frame.area):
         lattices = [search.lattice(spacing, label) for label in labels]
-        samples = plan_samples(canonical, surface.faces, LONGEST_SAMPLE * spacing)(canonical)
+        plan = plans.plan(canonical, LONGEST_SAMPLE * spacing)
+        if samples is None or plan is not sampler:
+            sampler, samples = plan, plan(canonical)
         fewest = 0
         others = frame_alternatives(frame, search.wide, np.inf if search.wide else SURELY_SKEW)
         for lattice, other in product(lattices, others):

@@ -16,9 +16,7 @@ __all__ = ["mirrored_readings"]
 
 def mirrored_readings(search: Search) -> Iterator[Reading]:
     """Yield the readings of the mirror image."""
-    surface = search.surface
-    image = replace(surface, points=surface.points * [-1.0, 1.0, 1.0], faces=surface.faces[:, ::-1])
-    mirrored = replace(search, surface=image)
+    mirrored = replace(search, surface=search.surface.mirrored())
     in_cells = readings_as_it_stands(mirrored) if search.has_cells else ()
     for reading in chain(in_cells, readings_of_points(mirrored)):
         yield replace(reading, mirrored=True)

@@ -15,7 +15,7 @@ from typing import Final
 
 import numpy as np
 
-from meshmark.geometry.scale_space import random_walk, spectral_filters
+from meshmark.geometry.scale_space import spectral_filters
 from meshmark.geometry.surface import Surface
 from meshmark.mesh import FloatArray
 
@@ -88,10 +88,9 @@ def restorations(surface: Surface, frame_known: bool = False) -> Iterator[Restor
     frame_known: the shapes are read in a given frame, whatever their own is.
     """
     yield Restoration(shapes=(Shape(surface.points),))
-    walk = random_walk(surface.points, surface.edges)
     filters = [_low_pass(t) for t in LOW_PASS] + [_undone(t) for t in UNDONE[1:]]
     centre = surface.points.mean(axis=0)
-    filtered = centre + spectral_filters(walk, surface.points - centre, filters)
+    filtered = centre + spectral_filters(surface.walk, surface.points - centre, filters)
     smooth, smoother, *undone = map(Shape, filtered)
     # Noise makes areas uneven, and by that moves the frame by more than a lock reaches; of the smoothest shape it
     # moves it least.

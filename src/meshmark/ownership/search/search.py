@@ -8,7 +8,6 @@ from functools import cached_property
 
 from meshmark.certificate.certificate import Certificate
 from meshmark.coding.keys import Key
-from meshmark.geometry.areas import longest_edges
 from meshmark.geometry.surface import Surface
 from meshmark.mesh import FloatArray, Mesh
 from meshmark.ownership.carriers.lattice import Lattice
@@ -75,9 +74,8 @@ class Search:
     @cached_property
     def _longest(self) -> float:
         """Mean longest edge of the triangles, in lattice spacings."""
-        surface = self.surface
-        spacing = preferred_spacings(surface.frame.area)[0] * surface.frame.scale
-        return longest_edges(surface.points, surface.faces) / spacing
+        frame = self.surface.frame
+        return self.surface.mean_face_length / (preferred_spacings(frame.area)[0] * frame.scale)
 
     def labels(self, invariants: FloatArray) -> tuple[Label, ...]:
         """Return the labels of the lattices that a shape of these invariants may carry, likeliest first."""

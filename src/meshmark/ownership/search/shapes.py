@@ -7,16 +7,17 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from meshmark.geometry.areas import face_lengths
 from meshmark.geometry.frame import Frame, canonical_frame, frame_alternatives
 from meshmark.geometry.invariants import shape_invariants
-from meshmark.geometry.sampling import Sampler, Samples, gathered, plan_samples
+from meshmark.geometry.sampling import Sampler, SamplerPlans, Samples, gathered
 from meshmark.geometry.surface import Surface
 from meshmark.mesh import FloatArray
 from meshmark.ownership.carriers.cells import Cells
 from meshmark.ownership.carriers.lattice import Lattice
 from meshmark.ownership.carriers.nodes import find_nodes
 from meshmark.ownership.carriers.pose import POSE_SIZE, Pose, pose_gradient
-from meshmark.ownership.carriers.relief import measure_relief
+from meshmark.ownership.carriers.relief import Relief, Umbrellas, measure_relief
 from meshmark.ownership.carriers.selection import select_cells
 from meshmark.ownership.parameters import EXTRACT_SELECTION, GATHER, LONGEST_SAMPLE
 from meshmark.ownership.search.measurement import Measurement, place, read_cells
@@ -53,11 +54,15 @@ class Shapes:
 
     def __init__(self, surface: Surface, fixed: Frame | None = None) -> None:
         self._faces, self._fixed = surface.faces, fixed
+        self._joined = surface.connectivity
         self._frames: WeakKeyDictionary[Shape, Frame] = WeakKeyDictionary()
         self._invariants: WeakKeyDictionary[Shape, FloatArray] = WeakKeyDictionary()
         self._samples: WeakKeyDictionary[Shape, dict[float, Samples]] = WeakKeyDictionary()
         self._cells: WeakKeyDictionary[Shape, dict[tuple[float, str, bytes], Cells]] = WeakKeyDictionary()
         self._samplers: dict[float, Sampler] = {}
+        self._plans: SamplerPlans | None = None
+        self._middles: WeakKeyDictionary[Restoration, tuple[FloatArray, Umbrellas]] = WeakKeyDictionary()
+        self._sampled: WeakKeyDictionary[Shape, tuple[Sampler, Samples]] = WeakKeyDictionary()
 
     def frame(self, shape: Shape) -> Frame:
         """Return the frame of a shape."""
@@ -84,8 +89,13 @@ class Shapes:
             canonical = self.frame(shape).to_canonical(shape.points)
             longest = LONGEST_SAMPLE * spacing
             if spacing not in self._samplers:  # shapes of one suspect are alike: one plan does for all
-                self._samplers[spacing] = plan_samples(canonical, self._faces, longest)
-            known[spacing] = gathered(self._samplers[spacing](canonical), GATHER * longest)
+                if self._plans is None:
+                    self._plans = SamplerPlans(self._faces, face_lengths(canonical, self._faces))
+                self._samplers[spacing] = self._plans.plan(canonical, longest)
+            sampler = self._samplers[spacing]
+            if shape not in self._sampled or self._sampled[shape][0] is not sampler:
+                self._sampled[shape] = sampler, sampler(canonical)
+            known[spacing] = gathered(self._sampled[shape][1], GATHER * longest)
         return known[spacing]
 
     def cells(self, shape: Shape, lattice: Lattice, turned: Frame) -> Cells:
@@ -121,9 +131,11 @@ class Shapes:
         cells = Cells(
             nodes=start.nodes, offset=offset, normal=start.normal, mass=start.mass, flatness=start.flatness
         )
-        points = restoration.between(restoration.middle)
-        placed = self._placed(first, points, self._pose(first, turned))
-        relief = measure_relief(lattice.coordinates(placed), self._faces, cells)
+        if restoration not in self._middles:
+            points = restoration.between(restoration.middle)
+            self._middles[restoration] = points, Umbrellas.of(points, self._joined)
+        pose = self._pose(first, turned)
+        relief = self._relief(*self._middles[restoration], cells, framed=first, pose=pose, lattice=lattice)
         gradient = np.hstack([pose_gradient(cells, lattice), change])
         return Response(Measurement.of(lattice, cells, relief), gradient)
 
@@ -134,13 +146,24 @@ class Shapes:
         shape = Shape(restoration.between(shares), restoration.shapes[0].framed_by)
         pose = self._pose(shape, hypothesis.turned).then(correction[:POSE_SIZE])
         cells = read_cells(self.samples(shape, lattice.spacing), lattice, pose)
-        placed = self._placed(shape, shape.points, pose)
-        relief = measure_relief(lattice.coordinates(placed), self._faces, cells)
+        moves = Umbrellas.of(shape.points, self._joined)
+        relief = self._relief(shape.points, moves, cells, framed=shape, pose=pose, lattice=lattice)
         return Response(Measurement.of(lattice, cells, relief), pose_gradient(cells, lattice))
 
-    def _placed(self, framed: Shape, points: FloatArray, pose: Pose) -> FloatArray:
-        """Return points (p, 3) in the canonical frame of `framed`, brought to a pose."""
-        return pose(self.frame(framed).to_canonical(points))
+    def _relief(
+        self,
+        points: FloatArray,
+        moves: Umbrellas,
+        cells: Cells,
+        *,
+        framed: Shape,
+        pose: Pose,
+        lattice: Lattice,
+    ) -> Relief:
+        """Measure points (p, 3) around the cells, brought to a pose in the canonical frame of `framed`."""
+        frame = self.frame(framed)
+        placed = lattice.coordinates(pose(frame.to_canonical(points)))
+        return measure_relief(placed, moves.scaled(pose.scale / (frame.scale * lattice.spacing)), cells)
 
     def _pose(self, shape: Shape, turned: Frame) -> Pose:
         """Return the turn from a shape's own frame to that of its alternatives which is nearest to `turned`."""

@@ -18,7 +18,7 @@ import numpy as np
 from meshmark.geometry.areas import face_areas
 from meshmark.geometry.frame import Frame, frame_alternatives
 from meshmark.geometry.sampling import plan_samples
-from meshmark.geometry.scale_space import random_walk, spectral_filters
+from meshmark.geometry.scale_space import spectral_filters
 from meshmark.geometry.surface import Surface
 from meshmark.mesh import FloatArray
 from meshmark.ownership.carriers.lattice import Lattice
@@ -94,11 +94,10 @@ def unsmoothed_readings(search: Search) -> Iterator[Reading]:
 
 def _before(surface: Surface) -> Iterator[FloatArray]:
     """Yield the shapes (p, 3) that the suspect may have had before."""
-    walk = random_walk(surface.points, surface.edges)
     centre = surface.points.mean(axis=0)
     filters = [_inverse(shares, n) for shares, passes in SMOOTHINGS.items() for n in passes]
     area = face_areas(surface.points, surface.faces).sum()
-    for part in spectral_filters(walk, surface.points - centre, filters, TERMS):
+    for part in spectral_filters(surface.walk, surface.points - centre, filters, TERMS):
         if face_areas(part, surface.faces).sum() < ROUGHEST * area:
             yield centre + part
 

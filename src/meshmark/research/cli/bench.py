@@ -83,8 +83,8 @@ def bench(
     if not force:
         refuse_folder(out)
     try:
-        with counted("cases") as told:
-            finished = run(plan, told)
+        with counted("cases") as progress:
+            finished = run(plan, progress)
     except KeyboardInterrupt:
         say(f"meshmark: what is done is kept in {out}; the same command goes on from there")
         raise

@@ -48,7 +48,7 @@ def train(
         Network,
         typer.Option(help="demodulator: weighs what is read of an id; distortion: judges a model's regions."),
     ] = Network.demodulator,
-    limit: Annotated[int | None, typer.Option(min=2, metavar="N", help="Use only so many models.")] = None,
+    limit: Annotated[int | None, typer.Option(min=2, metavar="N", help="Use only N models.")] = None,
     most_points: Annotated[
         int, typer.Option(min=1, metavar="N", help="Leave out models of more vertices.")
     ] = 20_000,
@@ -137,14 +137,14 @@ def _trials(
 
     names = choose(data, find_models(data), limit)
     result: dict[str, list[_Made]] = {}
-    with counted("models") as told:
+    with counted("models") as progress:
         for number, name in enumerate(names):
             rng = np.random.default_rng([seed, number])
             result[name] = []
             with suppress(MeshmarkError):
                 mesh = load(data / name)
                 result[name] = made(mesh, rng) if len(mesh.vertices) <= most_points else []
-            told(number + 1, len(names), sum(not found for found in result.values()))
+            progress(number + 1, len(names), sum(not found for found in result.values()))
     if not any(result.values()):
         raise InputError(f"{data}: no model could be marked and read, expected at least 2")
     return result

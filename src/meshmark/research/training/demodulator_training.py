@@ -87,8 +87,8 @@ def figures(trials: Sequence[Trial], network: Perceptron) -> dict[str, dict[str,
 
 def raw_errors(soft: FloatArray, targets: FloatArray) -> float:
     """Return the share of soft values (n,) whose sign is not that of their target (n,): +1, -1, or 0 for none."""
-    told = targets != 0.0
-    return float(np.mean(soft[told] * targets[told] <= 0.0))
+    carries_bit = targets != 0.0
+    return float(np.mean(soft[carries_bit] * targets[carries_bit] <= 0.0))
 
 
 def information(soft: FloatArray, targets: FloatArray) -> float:
@@ -96,8 +96,8 @@ def information(soft: FloatArray, targets: FloatArray) -> float:
 
     targets: +1, -1, or 0 for a pilot, which carries no bit and is left out.
     """
-    told = targets != 0.0
-    agreement = soft[told] * targets[told]
+    carries_bit = targets != 0.0
+    agreement = soft[carries_bit] * targets[carries_bit]
     scales = np.geomspace(1.0 / _LARGEST_SCALE, _LARGEST_SCALE, 121)
     losses = [float(np.logaddexp(0.0, -scale * agreement).mean()) for scale in scales]
     return 1.0 - min(losses) / float(np.log(2.0))
@@ -108,7 +108,9 @@ def _table(trials: Sequence[Trial]) -> Examples:
     rows = []
     for trial in trials:
         seen = replace(trial.seen, phase=corrected_phase(trial.seen))
-        told = trial.targets != 0.0  # pilots carry no bit
-        rows.append((carrier_features(seen)[told], np.cos(seen.phase[told]), trial.targets[told]))
+        carries_bit = trial.targets != 0.0  # pilots carry no bit
+        rows.append(
+            (carrier_features(seen)[carries_bit], np.cos(seen.phase[carries_bit]), trial.targets[carries_bit])
+        )
     inputs, gain, targets = (np.concatenate(parts) for parts in zip(*rows, strict=True))
     return inputs, gain, targets

@@ -27,7 +27,7 @@ from meshmark.ownership.carriers.lattice import CellKeys, Lattice
 from meshmark.ownership.carriers.nodes import find_nodes
 from meshmark.ownership.carriers.pose import POSE_SIZE, Pose, pose_gradient
 from meshmark.ownership.carriers.quantisation import bit_phase, lock_score
-from meshmark.ownership.carriers.relief import Relief, measure_relief
+from meshmark.ownership.carriers.relief import Relief, Umbrellas, measure_relief
 from meshmark.ownership.embedding import embed
 from meshmark.ownership.observation import Observation
 from meshmark.ownership.parameters import CARRIER_READABLE, LONGEST_SAMPLE
@@ -133,7 +133,7 @@ class _Shape:
     """A restoration of an attacked model: how far towards its other shapes, and in which pose."""
 
     def __init__(self, surface: Surface, restoration: Restoration, off: FloatArray) -> None:
-        self._faces = surface.faces
+        self._faces, self._joined = surface.faces, surface.connectivity
         first, *others = (shape.points for shape in restoration.shapes)
         self._first, self._ways = first, [other - first for other in others]
         self._expected = np.concatenate([POSE_EXPECTED, restoration.expected])
@@ -165,8 +165,8 @@ class _Shape:
     def relief(self, marked: Marked, cells: Cells) -> Relief:
         """Measure the relief around the cells."""
         canonical = marked.frame.to_canonical(self._points())
-        placed = self._pose.scale * canonical @ self._pose.turn + self._pose.shift
-        return measure_relief(marked.lattice.coordinates(placed), self._faces, cells)
+        placed = marked.lattice.coordinates(self._pose(canonical))
+        return measure_relief(placed, Umbrellas.of(placed, self._joined), cells)
 
     def _points(self) -> FloatArray:
         return self._first + sum(
@@ -211,7 +211,7 @@ def _trial(marked: Marked, shape: _Shape, name: str, strength: float) -> Trial |
         relief=shape.relief(marked, cells),
     )
     targets = np.where(seen.keys.pilot, 0.0, 1.0 - 2.0 * marked.bits[seen.keys.code_index])
-    told = targets != 0.0
-    if np.mean(np.cos(corrected_phase(seen)[told]) * targets[told] < 0.0) > LOST:
+    carries_bit = targets != 0.0
+    if np.mean(np.cos(corrected_phase(seen)[carries_bit]) * targets[carries_bit] < 0.0) > LOST:
         return None
     return Trial(attack=name, strength=strength, seen=seen, targets=targets)

@@ -24,7 +24,7 @@ __all__ = ["SHARED", "collision", "fit_label_map"]
 SHARED: Final = 2.0**-12
 # Degrees of freedom of Student's distribution by which drifts are weighted: a few wild ones do not decide.
 FREEDOM: Final = 30.0
-# Models further from the median than so many standard deviations count as if they lay there.
+# Models further from the median than this number of standard deviations count as if they lay there.
 OUTLYING: Final = 4.0
 # Added to the covariance of drifts: shares of its own diagonal, and of the covariance of models.
 RIDGE: Final = (1e-3, 1e-5)
@@ -50,7 +50,7 @@ def fit_label_map(
     if len(models) <= width or len(changes) <= width or not 1 <= components <= width:
         raise InputError(
             f"{len(models)} models, {len(changes)} changes and {components} components, "
-            f"expected more than {width} of the first two and at most so many of the last"
+            f"expected more than {width} of the first two and at most that number of the last"
         )
     unit = NORMAL_MAD * np.median(np.abs(models - np.median(models, axis=0)), axis=0) + np.finfo(float).eps
     spread = np.clip((models - np.median(models, axis=0)) / unit, -OUTLYING, OUTLYING)

@@ -16,6 +16,8 @@ import threading
 from collections.abc import Mapping
 from typing import Any
 
+from meshmark.errors import MeshmarkError
+
 __all__ = ["main"]
 
 _PREFIX = "meshmark: "
@@ -62,6 +64,13 @@ def main() -> int:
 
     with heard_by(report):
         code = command(job["command"])
+    if code == 0 and job["registry"] and job["command"][0] == "embed":
+        from meshmark.web.server.registered_name import register_name
+
+        try:
+            register_name(job["registry"], report.fields)
+        except MeshmarkError as error:  # the copy is made and entered all the same
+            report.remark(f"the registry keeps the temporary place of this copy: {error}")
     report.send(code=code, words=report.words, answer=report.fields)
     return 0
 

@@ -56,8 +56,8 @@ class CommandProcess:
         """Return whether the process has not ended."""
         return self._process.returncode is None
 
-    async def run(self, job: dict[str, Any], told: Callable[[dict[str, Any]], None]) -> dict[str, Any]:
-        """Run a job and return its last line; `told` gets those before. Raises `ProcessDied`."""
+    async def run(self, job: dict[str, Any], on_message: Callable[[dict[str, Any]], None]) -> dict[str, Any]:
+        """Run a job and return its last line; `on_message` gets those before. Raises `ProcessDied`."""
         stdin, stdout = self._process.stdin, self._process.stdout
         if stdin is None or stdout is None:
             raise ProcessDied("the process of this job has no pipes")
@@ -69,7 +69,7 @@ class CommandProcess:
             if "code" in fields:
                 await self.end()
                 return fields
-            told(fields)
+            on_message(fields)
         raise ProcessDied(_how_it_ended(await self._process.wait()))
 
     def kill(self) -> None:

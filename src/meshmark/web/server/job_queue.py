@@ -105,7 +105,7 @@ class JobQueue:
         try:
             process = await self._take_spare()
             async with asyncio.timeout(self._settings.job_seconds):
-                found = await process.run(self._message(job), lambda told: _hear(job, told))
+                found = await process.run(self._message(job), lambda message: _hear(job, message))
             await asyncio.to_thread(self._finish, job, found)
         except TimeoutError:
             most = f"{self._settings.job_seconds:.0f} seconds, the most that this server allows"
@@ -180,11 +180,11 @@ class JobQueue:
         task.add_done_callback(self._tasks.discard)
 
 
-def _hear(job: WebJob, told: dict[str, Any]) -> None:
-    if "stage" in told:
-        job.stage = told["stage"]
-    if "remark" in told:
-        job.remarks.append(told["remark"])
+def _hear(job: WebJob, message: dict[str, Any]) -> None:
+    if "stage" in message:
+        job.stage = message["stage"]
+    if "remark" in message:
+        job.remarks.append(message["remark"])
 
 
 def _fail(job: WebJob, kind: str, sentence: str) -> None:

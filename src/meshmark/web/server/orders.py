@@ -93,7 +93,7 @@ ACTIONS: dict[Action, Offer] = {
         references=("certificate",),
         needs_certificate=True,
     ),
-    Action.trace: Offer(lines=lambda _: [], options=("search", "time-limit"), needs_registry=True),
+    Action.trace: Offer(lines=_report, options=("search", "time-limit"), needs_registry=True),
 }
 
 

@@ -47,4 +47,7 @@ export function time(seconds) {
   return [first && `${first} ${large[1]}`, (rest || !first) && `${rest} ${small[1]}`].filter(Boolean).join(" ");
 }
 
+/** -30 is "⁻³⁰". */
+export const superscript = (number) => [...String(number)].map((sign) => "⁰¹²³⁴⁵⁶⁷⁸⁹"["0123456789".indexOf(sign)] ?? "⁻").join("");
+
 export const count = (number) => number.toLocaleString("en-US");

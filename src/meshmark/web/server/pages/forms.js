@@ -16,6 +16,7 @@ export function startForm(form, server) {
   const counts = (element) => !element.closest("[data-only]") || element.closest("[data-only]").dataset.only === action();
 
   function adapt() {
+    for (const each of form.querySelectorAll("[data-registry]")) each.hidden = !server.registry;
     for (const each of form.querySelectorAll("[data-only]")) {
       each.hidden = each.dataset.only !== action() || ("registry" in each.dataset && !server.registry);
     }
@@ -69,6 +70,8 @@ export function startForm(form, server) {
     }
   }
 
+  const whose = form.querySelector("[name=action][value=trace]");
+  if (whose) whose.checked = server.registry; // the registry knows more than the key alone
   form.addEventListener("submit", (event) => { event.preventDefault(); run(action()); });
   form.addEventListener("change", adapt);
   adapt();

@@ -1,9 +1,8 @@
 // The numbers of an answer: the ones that matter as a list, regions as a table, all of them as JSON.
 
-import { button, count, make, percent, time } from "./dom.js";
+import { button, count, make, percent, superscript, time } from "./dom.js";
 
 const chance = (log10) => (log10 === null || log10 === undefined ? null : log10 < -4 ? `below 10${superscript(Math.ceil(log10))}` : percent(10 ** log10));
-const superscript = (number) => [...String(number)].map((sign) => "⁰¹²³⁴⁵⁶⁷⁸⁹"["0123456789".indexOf(sign)] ?? "⁻").join("");
 const share = (value) => (value === null || value === undefined ? null : percent(value));
 const number = (value) => (value === null || value === undefined ? null : count(value));
 
@@ -17,6 +16,7 @@ const PICKED = {
   extract: (r) => [["Id", code(r.id)], ["Chance of a false alarm", r.presence === "present" ? chance(r.log10_false_positive) : null],
     ["Recipients", r.recipients?.join(", ") || null],
     ["Found by", { blind: "the key alone", certificate: "the certificate", original: "the original", registry: "the registry" }[r.mode] || r.mode], ["Time", time(r.seconds)]],
+  trace: (r) => [["Mark of this key", r.presence], ["Originals of like shape", r.candidates.join(", ") || "none"], ["Time", time(r.seconds)]],
   recover: (r) => [["Altered surface", share(r.altered_area_fraction)], ["Vertices moved back", number(r.vertices_moved)],
     ["Vertices cut out", number(r.vertices_removed)], ["Triangles added", number(r.faces_added)], ["Time", time(r.seconds)]],
   unmark: (r) => [["Moved, root mean square", `${share(r.rms_over_diagonal)} of the diagonal`], ["Time", time(r.seconds)]],
@@ -33,6 +33,7 @@ export function numbersOf(job) {
   const list = make("dl", { class: "numbers" }, ...rows.map(([name, value]) => make("div", {}, make("dt", {}, name), make("dd", {}, value))));
   const parts = [list];
   if (result.regions?.length) parts.push(regions(result.regions));
+  if (result.matches?.length) parts.push(matches(result.matches));
   parts.push(whole(result));
   return make("div", { class: "card" }, make("h3", {}, "Numbers"), ...parts);
 }
@@ -42,6 +43,13 @@ function table(heads, rows) {
   return make("table", {},
     make("thead", {}, make("tr", {}, ...heads.map((head) => make("th", { scope: "col" }, head)))),
     make("tbody", {}, ...rows.map((row) => make("tr", {}, ...cells(row)))));
+}
+
+const METHODS = { blind: "the key alone", authentication: "its authentication marks", registered: "the certificate of its original" };
+
+function matches(list) {
+  const rows = list.map((each) => [each.recipient || "none named", code(each.id), each.original, METHODS[each.method] || each.method, chance(each.log10_false_accusation)]);
+  return make("div", { class: "table" }, table(["Recipient", "Id", "Original", "Read by", "Chance to name an innocent"], rows));
 }
 
 const VERDICTS = { altered: "altered", intact: "intact", unchecked: "not checked" };

@@ -1,6 +1,6 @@
 // What came of a job, in plain words: {tone: "good" | "bad" | "unsure", title, text}.
 
-import { count, percent } from "./dom.js";
+import { count, percent, superscript } from "./dom.js";
 
 const OPTION_NAMES = { strength: "Strength", tolerance: "What counts as a change", layers: "What to put in" };
 
@@ -12,6 +12,9 @@ export function plain(sentence) {
     .replaceAll("--certificate", "the certificate")
     .replaceAll("--search wide", "“Search longer”");
 }
+
+const listed = (names) => `${names.slice(0, -1).join(", ")} and ${names.at(-1)}`;
+const idsOf = ({ ids }) => (ids.length > 1 ? `It carries the ids ${ids.join(", ")}` : `It carries the id ${ids[0]}`);
 
 const WORDS = {
   embed(result) {
@@ -40,14 +43,24 @@ const WORDS = {
   },
   extract(result) {
     const names = result.recipients || [];
-    const copies = names.length > 1 ? `the copies of ${names.slice(0, -1).join(", ")} and ${names.at(-1)}` : `the copy of ${names[0]}`;
+    const copies = names.length > 1 ? `the copies of ${listed(names)}` : `the copy of ${names[0]}`;
     const title = { 0: "Your mark is in this model", 1: `This is ${copies}` }[names.length] || `This was made of ${copies}`;
-    const ids = result.ids.length > 1 ? `It carries the ids ${result.ids.join(", ")}` : `It carries the id ${result.ids[0]}`;
     return {
-      present: { tone: "good", title, text: `${result.ids.length ? `${ids}. ` : ""}${result.advice}` },
+      present: { tone: "good", title, text: `${result.ids.length ? `${idsOf(result)}. ` : ""}${result.advice}` },
       absent: { tone: "unsure", title: "No mark of this key was found", text: result.advice },
       inconclusive: { tone: "unsure", title: "This cannot be told", text: result.advice },
     }[result.presence];
+  },
+  trace(result) {
+    const names = [...new Set(result.matches.map((each) => each.recipient || "a recipient without a name"))];
+    if (!names.length) {
+      return result.presence === "present"
+        ? { tone: "unsure", title: "Your mark is in it, but it is no copy of this registry", text: `${idsOf(result)}. ${result.advice}` }
+        : { tone: "unsure", title: "It names no recipient", text: result.advice };
+    }
+    const surest = Math.max(...result.matches.map((each) => each.log10_false_accusation));
+    const text = `${idsOf({ ids: result.matches.map((each) => each.id) })}. The chance that an innocent recipient of this registry is named like this is below 10${superscript(Math.ceil(surest))}. This says whose copy it was made of, not who passed it on.`;
+    return { tone: "good", title: names.length > 1 ? `This was made of the copies of ${listed(names)}` : `This is the copy of ${names[0]}`, text };
   },
   recover(result) {
     if (!result.recovered) return { tone: "bad", title: "It cannot be restored", text: result.advice };

@@ -40,6 +40,10 @@ function mix(scale, share) {
 /** Linear colours (3 a corner) as Float32Array, in the order of `triangles`. */
 export function cornerColours(layer, triangles, vertices) {
   const out = new Float32Array(3 * triangles.length);
+  if (layer.corners) {
+    unpack(layer.values, out.length, "colours of corners").forEach((value, i) => { out[i] = LINEAR[value]; });
+    return out;
+  }
   if (layer.kind === "categories") {
     const values = unpack(layer.values, vertices, `values of the layer ${layer.name}`);
     const shades = layer.legend.entries.map((entry) => parse(entry.colour));

@@ -6,6 +6,7 @@ import {
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { cornerNormals } from "./normals.js";
+import { skinMaterials } from "./skin.js";
 
 const FIELD = 28; // degrees, the camera's field of view upright
 const START = { azimuth: 0.5585, elevation: 0.2967 }; // radians to the right of the front, and above it
@@ -65,11 +66,20 @@ export class Stage {
     this.middle = this.geometry.boundingBox.getCenter(new Vector3());
     this.size = this.geometry.boundingBox.getSize(new Vector3()).length() || 1;
     this.material = new MeshStandardMaterial({ vertexColors: true, roughness: 0.72, metalness: 0, side: DoubleSide });
-    this.scene.add(new Mesh(this.geometry, this.material));
+    this.mesh = new Mesh(this.geometry, this.material);
+    this.scene.add(this.mesh);
   }
 
-  /** Show linear colours (3 a corner). */
-  paint(colours) {
+  /** Get images ready that `paint` may show. */
+  wear({ images, groups, places }) {
+    this.geometry.setAttribute("uv", new BufferAttribute(places, 2));
+    for (const { start, count, image } of groups) this.geometry.addGroup(start, count, image);
+    this.materials = skinMaterials(images, this.material, () => this.request());
+  }
+
+  /** Show linear colours (3 a corner); dressed: times the images. */
+  paint(colours, dressed = false) {
+    this.mesh.material = dressed ? this.materials : this.material;
     this.geometry.attributes.color.array.set(colours);
     this.geometry.attributes.color.needsUpdate = true;
     this.request();
@@ -179,6 +189,7 @@ export class Stage {
     this.controls.dispose();
     this.geometry.dispose();
     this.material.dispose();
+    for (const each of this.materials ?? []) { each.map?.dispose(); each.dispose(); }
     this.renderer.dispose();
     this.renderer.forceContextLoss();
   }

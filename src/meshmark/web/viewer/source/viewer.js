@@ -2,7 +2,8 @@
 //
 // view: {vertices, faces, positions, box, triangles, layers, start, note, label}; `decode.js` reads the arrays.
 // Layers: {name, title, kind, values, legend, unit, note}, of the kinds
-//   surface     values: null, or sRGB of each vertex
+//   surface     values: null, or sRGB of each vertex, or with `corners` of each corner of the triangles; skin: null, or
+//               images by which the colours are multiplied (`skin.js`)
 //   categories  values: a number a vertex, the place in legend.entries [{label, colour}]
 //   heat        values: 0 to 254 (or 65534) a vertex, from the first of legend.colours to the last; the next number
 //               means that a vertex has no value: legend.missing {label, colour}. legend.ticks [{at, label}], at 0 to 1.
@@ -11,6 +12,7 @@ import { cornerColours } from "./colours.js";
 import { decodeSurface } from "./decode.js";
 import { KEYS, keyboard } from "./keyboard.js";
 import { buttons, layerChoice, make, showLegend } from "./panel.js";
+import { decodeSkin } from "./skin.js";
 import { Stage } from "./stage.js";
 
 const HINT = "Drag to turn, right-drag or two fingers to move. Click, then scroll to zoom.";
@@ -29,6 +31,8 @@ export function createViewer(element, view) {
     element.dataset.layer = layer.name;
     element.dataset.state = "ready";
   });
+  const dressed = view.layers.find((each) => each.skin);
+  if (dressed) stage.wear(decodeSkin(dressed.skin, surface.triangles));
   const legend = make("div", { class: "viewer-legend" });
   const screen = make("div", { class: "viewer-screen", tabindex: "0", role: "application", "aria-label": label(view) });
   stage.canvas.setAttribute("aria-hidden", "true");
@@ -48,7 +52,7 @@ export function createViewer(element, view) {
     layer = find(view, name);
     for (const input of side.querySelectorAll("input")) input.checked = input.value === name;
     showLegend(legend, layer);
-    stage.paint(cornerColours(layer, surface.triangles, view.vertices));
+    stage.paint(cornerColours(layer, surface.triangles, view.vertices), Boolean(layer.skin));
   }
 
   // A page scrolls past the viewer until somebody has clicked into it.

@@ -1,6 +1,6 @@
-"""Run the tour of README.md with a key that is always the same, and put what it prints into the page.
+"""Run the tour of docs/tour.md with a key that is always the same, and put what it prints there and into README.md.
 
-.venv/bin/python tools/readme_tour.py
+.venv/bin/python tools/make_tour.py
 
 A key of 32 zero bytes takes the place of the one that `keygen` makes, so that the numbers come out again;
 tests/test_docs.py runs the tour the same way and compares.
@@ -20,14 +20,15 @@ import meshmark as mm
 from meshmark.cli.main import main
 from meshmark.data import hare_ply
 
-README = Path(__file__).resolve().parents[1] / "README.md"
+ROOT = Path(__file__).resolve().parents[1]
+TOUR, README = ROOT / "docs" / "tour.md", ROOT / "README.md"
 SESSION = re.compile(r"```console\n(.*?)```", re.DOTALL)
 COMMAND = re.compile(r"^\$ meshmark (.*)\n((?:(?!\$).*\n)*)", re.MULTILINE)
 
 
 def sessions() -> list[str]:
     """Return the console sessions of the page: the tour, and the story of a leak."""
-    return SESSION.findall(README.read_text(encoding="utf-8"))
+    return SESSION.findall(TOUR.read_text(encoding="utf-8"))
 
 
 def session() -> str:
@@ -54,11 +55,14 @@ def commands(text: str) -> Iterator[tuple[str, str, int, str]]:
 
 
 def run() -> None:
-    """Write the page anew."""
-    old = session()
+    """Write what the commands of the tour print into both pages."""
     with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
-        new = "\n\n".join(f"$ meshmark {command}\n{printed}" for command, _, _, printed in tour(old))
-    README.write_text(README.read_text(encoding="utf-8").replace(old, f"{new}\n"), encoding="utf-8")
+        found = [(command, shown, printed) for command, shown, _, printed in tour(session())]
+    for page in (TOUR, README):
+        text = page.read_text(encoding="utf-8")
+        for command, shown, printed in found:
+            text = text.replace(f"$ meshmark {command}\n{shown}\n", f"$ meshmark {command}\n{printed}\n")
+        page.write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":
