@@ -15,7 +15,7 @@ from refusals import assert_refused, snapshot
 import meshmark as mm
 from meshmark.cli.demo import NOISE, SCALE, travelled
 from meshmark.cli.demo_damage import PUSH, bent
-from meshmark.marking import mark_request
+from meshmark.coding import message
 from tests.shapes import pebble
 
 pytestmark = pytest.mark.usefixtures("short_search")
@@ -37,7 +37,7 @@ def other(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_the_id_comes_back_from_the_changed_copy(cli, folder, monkeypatch):
     # Half a hare has cells enough for the id with about half of all keys and ids; these are one such pair.
     mm.Key(bytes(32)).save(folder / "demo.key")
-    monkeypatch.setattr(mark_request, "random_id", lambda: 1000)
+    monkeypatch.setattr(message, "random_id", lambda bits: 1000)
     ran = cli("demo", "--out", folder)
     assert ran.code == 0, ran
     assert ran.err == ""

@@ -190,6 +190,18 @@ def test_certificates_belong_to_their_marks(cli, place):
     np.testing.assert_allclose(after, before, atol=1e-5)
 
 
+@pytest.mark.parametrize(("name", "original"), [("short", "small.ply"), ("none", "least.ply")])
+def test_a_moved_point_comes_back_from_the_original(cli, place, name, original):
+    marked = mm.read_mesh(f"{name}.ply")
+    vertices = marked.vertices.copy()
+    vertices[3] += 0.001
+    mm.write_mesh(marked.with_vertices(vertices), "moved.ply")
+    line = ("--key", "my.key", "--certificate", f"{name}.cert", "--original", original, "--json")
+    ran = cli("recover", "moved.ply", "back.ply", *line)
+    assert (ran.code, only_object(ran.out)["restored_from"]) == (0, "marked_copy")
+    np.testing.assert_allclose(mm.read_mesh("back.ply").vertices, marked.vertices, atol=1e-6)
+
+
 @pytest.mark.parametrize(("name", "identity", "what"), [("short", SERIAL, "id"), ("none", None, "mark")])
 def test_without_marks_of_authentication_nothing_is_said_of_changes(cli, place, name, identity, what):
     told = only_object(cli("authenticate", f"{name}.ply", "--key", "my.key", "--json").out)

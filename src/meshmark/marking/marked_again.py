@@ -9,7 +9,7 @@ from meshmark.authentication.examination import Examination
 from meshmark.authentication.payload.content import Content
 from meshmark.certificate.certificate import Certificate
 from meshmark.coding.keys import Key
-from meshmark.coding.message import bits_of
+from meshmark.coding.message import ID_BITS, bits_of
 from meshmark.errors import CapacityError
 from meshmark.marking.both_layers import embed_for
 from meshmark.marking.mark_request import MarkRequest
@@ -95,6 +95,8 @@ def _strengths(
     if certificate is not None:
         strengths = [certificate.strength]
         layers = [None if (named := certificate.more.get("layers")) == "both" else str(named)]
+    if found.id is not None and bits_of(found.id) != ID_BITS:
+        layers = ["ownership"]  # others sign no marks
     for each in layers:
         for strength in strengths:
             asked = None if each == "ownership" else payload
@@ -119,7 +121,7 @@ def _made(original: Mesh, key: Key, found: Examination, settings: _Settings) -> 
     request = MarkRequest.checked(
         key,
         id=found.id,
-        bits=64 if found.id is None else bits_of(found.id),
+        bits=ID_BITS if found.id is None else bits_of(found.id),
         strength=settings.strength,
         layers=settings.layers,
         payload=settings.payload,
