@@ -22,8 +22,8 @@ Point = tuple[float, float, float]
 # The library's first thresholds suit models of this size; see `attacks.simplification`.
 SIZE = 2000.0
 # The library leaves this many points for each that is wanted, and at least AT_LEAST; more of a surface of many
-# parts, of which it would empty the small ones. Those have fewer than CLOSED faces for each point, of which a closed
-# surface has two.
+# parts, of which it would empty the small ones. Those have fewer than CLOSED faces for each point; a closed surface
+# has two.
 FOR_EACH, FOR_EACH_OF_PARTS, AT_LEAST = 1.0, 4.0, 300
 CLOSED = 1.8
 # Pull of border edges, and of points towards where they are, against the pull of faces.
