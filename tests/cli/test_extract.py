@@ -103,8 +103,9 @@ def shortened(monkeypatch):
 
 
 @pytest.mark.parametrize("search", ["quick", "wide"])
-def test_extract_from_an_unmarked_model_exits_with_1(cli, files, small_model, shortened, search):
-    ran = cli("extract", small_model, "--key", files.key, "--search", search, "--json")
+def test_extract_from_an_unmarked_model_exits_with_1(cli, files, tmp_path, shortened, search):
+    mm.write_mesh(mm.Mesh(*pebble(30)), tmp_path / "unmarked.ply")
+    ran = cli("extract", tmp_path / "unmarked.ply", "--key", files.key, "--search", search, "--json")
     found = only_object(ran.out)
     assert (ran.code, found["presence"], found["id"]) == (1, "absent", None)
 
