@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from meshmark.authentication.checks.checks import check
+from meshmark.authentication.checks.checks import check, shapes_of
 from meshmark.authentication.examination import Examination, examine
 from meshmark.authentication.parameters import MARKED_LOG10
 from meshmark.coding.keys import Key
@@ -58,7 +58,8 @@ def _has_marks(mesh: Mesh, key: Key, identity: int | None) -> bool:
     """Return whether a mesh has marks of authentication, of this id or of the one that they tell."""
     surface = marked_surface(mesh)
     signed = identity is not None and bits_of(identity) == ID_BITS
-    checks = (check(surface, key, nonce) for nonce in ((None, identity) if signed else (None,)))
+    shapes = shapes_of(surface)
+    checks = (check(surface, key, nonce, shapes=shapes) for nonce in ((None, identity) if signed else (None,)))
     return any(each.speak and each.log10_chance <= MARKED_LOG10 for each in checks)
 
 

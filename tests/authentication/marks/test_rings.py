@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
+
 import networkx  # type: ignore[import-untyped]
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from meshmark.authentication.marks import ring_shapes as ring_shapes_module
 from meshmark.authentication.marks.independent_points import independent_points
 from meshmark.authentication.marks.ring_shapes import frames, ring_shapes, starts
 from meshmark.authentication.marks.rings import LARGEST, Rings, ordered_rings
@@ -159,3 +162,14 @@ def test_the_choice_depends_on_the_key_and_beats_a_random_order() -> None:
     assert (choices[0] != choices[2]).any()
     # At every point of a random order, 24 % of a triangle mesh; the best there is, a third.
     assert all(0.28 < choice.mean() <= 1 / 3 + 0.01 for choice in choices)
+
+
+def test_shapes_made_in_blocks_are_those_of_all_rings_at_once(monkeypatch):
+    points, faces = pebble(40)
+    groups = ordered_rings(faces, len(points))
+    whole = [ring_shapes(points, group) for group in groups]
+    monkeypatch.setattr(ring_shapes_module, "_BLOCK", 100)
+    for one, group in zip(whole, some(groups), strict=True):
+        again = ring_shapes(points, group)
+        for name in some([field.name for field in fields(one) if field.name != "style"]):
+            assert np.array_equal(getattr(one, name), getattr(again, name)), name

@@ -87,7 +87,14 @@ def sweep(
     for group, shape in parts:
         able[group.vertex] = able_rings(shape, setting)
     subkey = key.subkey(PURPOSE)
-    found = joined([plain_candidates(points, *part, setting, subkey) for part in parts])
+    found = joined(
+        [
+            plain_candidates(points, group.take(rows), shape.take(rows), setting, subkey)
+            for group, shape in parts
+            for every in [np.arange(len(group.vertex))]
+            for rows in (every[block] for block in blocks(max(len(every), 1), _BLOCK))
+        ]
+    )
     held = np.zeros(len(points), bool)
     blind = nonce is None and not setting.layout.pieces_only
     identity = _reported_id(found, key, setting) if blind else nonce

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from meshmark.authentication.marks.rings import Rings
 from meshmark.authentication.parameters import FINE, Style
+from meshmark.geometry.blocks import blocks
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["RingShapes", "frames", "in_style", "ring_shapes", "spreads_from", "starts"]
@@ -20,6 +21,8 @@ __all__ = ["RingShapes", "frames", "in_style", "ring_shapes", "spreads_from", "s
 _TINY = 1e-30
 # Points of marks without pull lie about this far, in ring sizes, from the middle that turns them.
 _LIFT = 0.3
+# Rings whose shapes are made at once: those of a large model would take gigabytes meanwhile.
+_BLOCK = 1 << 16
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -53,6 +56,16 @@ class RingShapes:
 
 def ring_shapes(points: FloatArray, rings: Rings, style: Style = FINE) -> RingShapes:
     """Return the shapes of rings, of points (p, 3), for marks of a style."""
+    if len(rings.vertex) <= _BLOCK:
+        return _shapes(points, rings, style)
+    rows = np.arange(len(rings.vertex))
+    parts = [_shapes(points, rings.take(rows[block]), style) for block in blocks(len(rows), _BLOCK)]
+    names = [field.name for field in fields(RingShapes) if field.name != "style"]
+    joined = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
+    return RingShapes(**joined, style=style)
+
+
+def _shapes(points: FloatArray, rings: Rings, style: Style) -> RingShapes:
     around = points[rings.around]
     centre = around.mean(axis=1)
     offsets = around - centre[:, None]
