@@ -21,7 +21,7 @@ OUT = ROOT / "site-out"
 CHAPTERS = {
     "Start": ("quickstart", "tour", "gallery"),
     "By task": ("ownership", "changes", "tracing", "keys", "blender", "batch", "serve", "report"),
-    "Look up": ("reference", "cli", "answers", "python", "sizing"),
+    "Look up": ("reference", "cli", "answers", "python", "sizing", "performance"),
     "Understand": (
         "limits",
         "design",

@@ -60,10 +60,10 @@ def test_few_marks_carry_nothing():
 def test_only_a_miniature_that_was_asked_for_is_refused_where_it_does_not_fit(symbols):
     surface = weld(Mesh(*pebble(24)))
     whole = whole_of(surface, 1e-6)
-    packed, remarks = content_for(content_of(None), surface, whole, symbols, 8)
+    packed, remarks = content_for(content_of(None), surface, whole, (symbols, 8))
     assert unpack(packed).whole.points == whole.points
     assert unpack(packed).kind == "none"
     assert len(remarks) == 1
     assert "no payload" in remarks[0]
     with pytest.raises(CapacityError, match="a miniature of the model does not fit"):
-        content_for(content_of("miniature"), surface, whole, symbols, 8)
+        content_for(content_of("miniature"), surface, whole, (symbols, 8))

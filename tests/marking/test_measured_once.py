@@ -13,6 +13,10 @@ from unittest.mock import patch
 import pytest
 
 import meshmark
+from meshmark.authentication.checks.checks import check, shapes_of
+from meshmark.authentication.examination import examine
+from meshmark.authentication.marks.mending import mended
+from meshmark.authentication.marks.plan import plan
 from meshmark.authentication.marks.ring_shapes import ring_shapes
 from meshmark.authentication.marks.rings import ordered_rings
 from meshmark.geometry.frame import canonical_frame
@@ -20,12 +24,26 @@ from meshmark.geometry.weld import weld
 from meshmark.io import read_mesh, write_mesh
 from meshmark.marking import embed, embed_file
 from meshmark.mesh import Mesh
+from meshmark.recovery.mesh_coder import encode_mesh
+from meshmark.recovery.miniature import miniature
 from tests.imports import import_graph
 from tests.keys import ID, KEY
 from tests.shapes import pebble
 
 ROOT = Path(meshmark.__file__).parent
-COUNTED = (weld, canonical_frame, ordered_rings, ring_shapes)
+COUNTED = (
+    weld,
+    canonical_frame,
+    ordered_rings,
+    ring_shapes,
+    shapes_of,
+    examine,
+    check,
+    miniature,
+    encode_mesh,
+    plan,
+    mended,
+)
 
 
 @contextmanager
@@ -37,9 +55,9 @@ def counted() -> Iterator[Counter[str]]:
             import_module(name)
 
     def counting(function: Callable[..., object]) -> Callable[..., object]:
-        def called(*arguments: object) -> object:
+        def called(*arguments: object, **named: object) -> object:
             calls[function.__name__] += 1
-            return function(*arguments)
+            return function(*arguments, **named)
 
         return called
 
@@ -73,6 +91,19 @@ def test_an_embedding_of_both_layers_welds_at_most_twice_and_finds_three_frames(
     assert 1 <= calls["canonical_frame"] <= 3
     assert calls["ordered_rings"] == 1
     assert calls["ring_shapes"] > 0
+
+
+def test_both_layers_plan_once_and_code_one_miniature_and_each_surface_that_is_read_is_shaped_once():
+    """Where a promised rounding leaves a point unread, some marks are mended; the rest is not planned anew."""
+    with counted() as calls:
+        result = embed(Mesh(*pebble(70)), KEY, id=ID)
+    assert result.authentication is not None
+    assert calls["miniature"] == 1
+    assert 1 <= calls["encode_mesh"] <= 3
+    assert calls["plan"] == 1
+    assert calls["mended"] <= 2
+    assert calls["shapes_of"] == calls["examine"] <= 3 * (1 + calls["mended"])
+    assert calls["check"] <= 2 * calls["examine"]
 
 
 def test_a_certificate_measures_nothing_again():

@@ -1,15 +1,19 @@
 from __future__ import annotations
 
+from unittest.mock import patch
+
 import numpy as np
 import pytest
 
 from meshmark.errors import CapacityError, InputError
 from meshmark.geometry.closest_point import SurfaceIndex
 from meshmark.geometry.frame import canonical_frame
+from meshmark.recovery import miniature as miniature_module
+from meshmark.recovery import simplify as simplify_module
 from meshmark.recovery.borders import border_edges
-from meshmark.recovery.miniature import miniature, read_miniature
+from meshmark.recovery.miniature import SMALLEST, miniature, read_miniature
 from meshmark.recovery.simplify import simplify
-from tests.shapes import pebble
+from tests.shapes import hoop, pebble
 
 
 def distances(places: np.ndarray, faces: np.ndarray) -> np.ndarray:
@@ -43,6 +47,36 @@ def test_a_miniature_lies_in_canonical_coordinates():
     assert one == miniature(points, faces, 300)
     there = read_miniature(miniature(7.0 * points[:, [1, 2, 0]] + 3.0, faces, 300))
     assert np.sqrt((distances(*there) ** 2).mean()) < 0.02
+
+
+@pytest.mark.parametrize("size", [100, 700, 2000])
+def test_a_miniature_is_simplified_by_the_library_once_and_coded_about_once(size):
+    """Of the walks over a mesh one estimates the size; a second whole one corrects the first, a third is rare."""
+    points, faces = pebble(100)
+    with (
+        patch.object(simplify_module, "_coarse", wraps=simplify_module._coarse) as library,
+        patch.object(miniature_module, "estimated_size", wraps=miniature_module.estimated_size) as estimates,
+        patch.object(miniature_module, "encode_mesh", wraps=miniature_module.encode_mesh) as whole,
+    ):
+        miniature(points, faces, size)
+    assert library.call_count == 1
+    assert estimates.call_count == 1
+    assert 1 <= whole.call_count <= 3
+
+
+def test_a_miniature_of_an_earlier_version_is_refused_by_its_first_byte():
+    content = miniature(*pebble(48), 300)
+    for bits in range(4, 14):
+        with pytest.raises(InputError, match="this version"):
+            read_miniature(bytes([bits]) + content[1:])
+
+
+def test_a_part_that_cannot_get_simpler_is_coded_more_coarsely():
+    """A hoop keeps its hole, and seven points at least: in few bytes their places are less exact."""
+    points, faces = hoop(long=60, around=8, thin=0.3)
+    finer, coarser = (miniature(points, faces, size) for size in (400, SMALLEST))
+    assert coarser[0] < finer[0]
+    assert len(read_miniature(coarser)[0]) < len(read_miniature(finer)[0])
 
 
 def test_a_miniature_needs_some_bytes():

@@ -11,6 +11,7 @@ from itertools import islice
 import numpy as np
 
 from meshmark.authentication.examination import examine
+from meshmark.authentication.marks.mending import mended
 from meshmark.authentication.marks.plan import mark, plan
 from meshmark.authentication.marks.planning import Planned, plans
 from meshmark.authentication.marks.signed_word import signed_word
@@ -24,6 +25,7 @@ from meshmark.io.file_precision import conform
 from meshmark.marking.embedding_result import AuthenticationMark
 from meshmark.marking.mark_request import MarkRequest
 from meshmark.marking.promises import broken_by
+from meshmark.marking.unread_marks import BrokenError, IdLostError, UnplacedError, UnreadError
 from meshmark.marking.verification import authentic
 from meshmark.mesh import Mesh
 from meshmark.ownership.extraction import extract, find
@@ -40,6 +42,8 @@ _CHOICES, _READ = 8, 3
 _LOST = 6
 # Choices that are made and read back at most.
 _TRIES = 12
+# How often marks near points that a promised rounding alters are chosen anew, where at most this share of all is.
+_MENDED, _FEW = 3, 1e-3
 # Share of the points below which a remark says how many are in the ring of a mark.
 _WATCHED = 0.9
 _NO_PAYLOAD = (
@@ -125,7 +129,7 @@ def with_authentication(base: Base, request: MarkRequest) -> Authenticated:
     for wanted in ways:
         try:
             return _first_read(base, request, wanted)
-        except _IdLostError:
+        except IdLostError:
             raise
         except CapacityError as error:
             refusals.append(error)
@@ -150,36 +154,46 @@ def _first_read(base: Base, request: MarkRequest, wanted: _Wanted) -> Authentica
         refusal = CapacityError("the model has room for too few marks of authentication to tell its id")
         for chosen in islice(some, _READ):
             try:
-                return _bound_or_not(base, request, chosen, wary=lost > 0)
-            except _UnreadError as error:
-                refusal, tries = error, tries + 1
-                lost = lost + 1 if isinstance(error, _IdLostError) else 0
+                return _mended(base, request, chosen, wary=lost > 0)
+            except UnreadError as error:
+                refusal, tries = _without_frames(error), tries + 1
+                lost = lost + 1 if isinstance(error, IdLostError) else 0
                 if lost == _LOST or tries == _TRIES:
                     raise
             except CapacityError as error:
-                refusal = error
+                refusal = _without_frames(error)
                 break
     raise refusal
+
+
+def _without_frames(error: CapacityError) -> CapacityError:
+    """Return an error that does not keep the arrays of what failed."""
+    error.__context__ = None
+    return error.with_traceback(None)
+
+
+def _mended(base: Base, request: MarkRequest, chosen: Planned, *, wary: bool) -> Authenticated:
+    """Return the marks of a plan, with others where a few do not bear what is promised: that is seen at once."""
+    for _ in range(_MENDED):
+        try:
+            return _bound_or_not(base, request, chosen, wary=wary)
+        except BrokenError as error:
+            few = max(_FEW * len(error.altered), 2.0)
+            if len(error.altered) != len(chosen.plan.surface.points) or error.altered.sum() > few:
+                raise
+            again = mended(chosen.plan, request.key, error.altered, chosen.precision.style)
+            if again.carries_id != chosen.plan.carries_id:
+                raise
+            chosen = replace(chosen, plan=again, content=error.content)
+    return _bound_or_not(base, request, chosen, wary=wary)
 
 
 def _bound_or_not(base: Base, request: MarkRequest, chosen: Planned, *, wary: bool) -> Authenticated:
     """Return marks whose symbols are bound to their places; where these are not found again, marks that are not."""
     if chosen.plan.places_itself:
-        with suppress(_UnplacedError):
+        with suppress(UnplacedError):
             return _marked(base, request, chosen, bound=True, wary=wary)
     return _marked(base, request, chosen, bound=False, wary=wary)
-
-
-class _UnreadError(CapacityError):
-    """The marks of authentication, or the id below them, are not read back as they should; others may be."""
-
-
-class _IdLostError(_UnreadError):
-    """The marks move points too much for the layer below."""
-
-
-class _UnplacedError(_UnreadError):
-    """The marks hold, but do not tell where the model lies, so that the payload bound to places is not read."""
 
 
 def _choices(planned: Planned, key: Key) -> Iterator[Planned]:
@@ -217,25 +231,23 @@ def _marked(base: Base, request: MarkRequest, planned: Planned, *, bound: bool, 
         _check_below(base, result, request)
     found = examine(as_shown(result), request.key, made=request.id)
     if bound and found.marked and found.payload is None:
-        raise _UnplacedError("the marks of authentication do not tell where the model lies")
+        raise UnplacedError("the marks of authentication do not tell where the model lies")
     if not authentic(found, request.id):
-        raise _UnreadError(
+        raise UnreadError(
             "the marks of authentication cannot be read back from the positions the file can hold"
         )
     if found.payload != payload:
-        raise _UnreadError("the payload cannot be read back from the marked model")
+        raise UnreadError("the payload cannot be read back from the marked model")
     broken = broken_by(result, request.key, request.id, precision.bears, precision.error)
     if broken is not None:
-        raise _UnreadError(
-            f"the marks of authentication would not survive {broken}, as the tolerance promises"
-        )
+        raise BrokenError(broken.called, broken.altered, payload.content)
     carriers = 0
     if base.has_id:
         if not at_once:
             _check_below(base, result, request)
         below = extract(result, request.key, search="plain")
         if below.id != request.id:
-            raise _IdLostError("the id cannot be read beside the marks of authentication")
+            raise IdLostError("the id cannot be read beside the marks of authentication")
         carriers = below.carriers
     watched = float(found.checks.verified.sum()) / max(int(found.surface.used.sum()), 1)
     if watched < _WATCHED:
@@ -254,7 +266,7 @@ def _marked(base: Base, request: MarkRequest, planned: Planned, *, bound: bool, 
 
 
 def _check_below(base: Base, result: Mesh, request: MarkRequest) -> None:
-    """Raise `_IdLostError` where the id below is not read even with the lattice known.
+    """Raise `IdLostError` where the id below is not read even with the lattice known.
 
     That takes less time than a blind reading, which is done at last.
     """
@@ -269,7 +281,7 @@ def _check_below(base: Base, result: Mesh, request: MarkRequest) -> None:
         spacings=(below.spacing,),
     )
     if find(search).id != request.id:
-        raise _IdLostError("the id cannot be read beside the marks of authentication")
+        raise IdLostError("the id cannot be read beside the marks of authentication")
 
 
 def _payload(
@@ -281,5 +293,7 @@ def _payload(
         signed = Payload(kind="none", content=b"", whole=Whole(points=whole.points))
         return signed, lambda index: np.zeros(len(index), np.uint16), (_NO_PAYLOAD,)
     symbols = len(np.unique(plan.payload_index))
-    packed, remarks = content_for(request.content, plan.surface, whole, symbols, plan.symbol_bits)
+    packed, remarks = content_for(
+        request.content, plan.surface, whole, (symbols, plan.symbol_bits), made=planned.content
+    )
     return unpack(packed), encoder(packed, plan.symbol_bits, symbols), remarks

@@ -6,9 +6,11 @@ Each but the turned one is the same function of a file whoever applies it: what 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from meshmark.authentication.examination import examine
 from meshmark.coding.keys import Key
@@ -17,7 +19,7 @@ from meshmark.marking.verification import authentic
 from meshmark.mesh import FloatArray, IntArray, Mesh
 from meshmark.scene.distinct import as_shown
 
-__all__ = ["ROUNDINGS", "broken_by"]
+__all__ = ["ROUNDINGS", "Broken", "broken_by"]
 
 Rounding = Callable[[FloatArray], FloatArray]
 # What changes no coordinate by more than this share of what the marks are made for is not tried.
@@ -121,8 +123,16 @@ ROUNDINGS: Final[dict[str, tuple[Rounding, str]]] = {
 """Name of a rounding: what it does to vertices (n, 3), and what it is called."""
 
 
-def broken_by(mesh: Mesh, key: Key, identity: int, bears: Iterable[str], error: float) -> str | None:
-    """Return what one of `ROUNDINGS`, of those named, is called after which a mesh is not authentic.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Broken:
+    """called: the rounding after which a mesh is not authentic; altered: (p,) the points that are then."""
+
+    called: str
+    altered: NDArray[np.bool_]
+
+
+def broken_by(mesh: Mesh, key: Key, identity: int, bears: Iterable[str], error: float) -> Broken | None:
+    """Return one of `ROUNDINGS`, of those named, after which a mesh is not authentic.
 
     Those that change most are tried first. None where the marks bear them all. error: of a coordinate, that the
     marks are made for, in scene units.
@@ -131,12 +141,16 @@ def broken_by(mesh: Mesh, key: Key, identity: int, bears: Iterable[str], error: 
     for name in bears:
         rounding, called = ROUNDINGS[name]
         vertices = rounding(mesh.vertices)
-        change = np.inf if name == "turned" else float(np.abs(vertices - mesh.vertices).max())
+        if name == "turned":
+            rounded.append((error, called, vertices))
+            continue
+        change = float(np.abs(vertices - mesh.vertices).max())
         if change > _HARMLESS * error:
-            rounded.append((change if name != "turned" else error, called, vertices))
-    for _, called, vertices in sorted(rounded, key=lambda each: -each[0]):  # what breaks them is found early
+            rounded.append((change, called, vertices))
+    for _, called, vertices in sorted(rounded, key=lambda each: -each[0]):
         again = mesh.with_vertices(vertices)
         surface_of_moved(again, mesh)  # remembered, so that `examine` need not weld it
-        if not authentic(examine(as_shown(again), key, made=identity), identity):
-            return called
+        found = examine(as_shown(again), key, made=identity)
+        if not authentic(found, identity):
+            return Broken(called=called, altered=found.altered)
     return None

@@ -21,8 +21,11 @@ Point = tuple[float, float, float]
 
 # The library's first thresholds suit models of this size; see `attacks.simplification`.
 SIZE = 2000.0
-# The library leaves this many points for each that is wanted, and at least AT_LEAST.
-FOR_EACH, AT_LEAST = 1.0, 300
+# The library leaves this many points for each that is wanted, and at least AT_LEAST; more of a surface of many
+# parts, of which it would empty the small ones. Those have fewer than CLOSED faces for each point; a closed surface
+# has two.
+FOR_EACH, FOR_EACH_OF_PARTS, AT_LEAST = 1.0, 4.0, 300
+CLOSED = 1.8
 # Pull of border edges, and of points towards where they are, against the pull of faces.
 BORDER, STILL = 10.0, 1e-3
 LEAST_COSINE = 0.2
@@ -41,7 +44,8 @@ class Simplification:
 
     def __init__(self, points: FloatArray, faces: IntArray, most: int) -> None:
         """Prepare for at most `most` points."""
-        first = max(int(FOR_EACH * most), AT_LEAST)
+        times = FOR_EACH if len(faces) >= CLOSED * len(points) else FOR_EACH_OF_PARTS
+        first = max(int(times * most), AT_LEAST)
         # A closed surface has two faces for each point, a polygon soup may have fewer faces than the target.
         if len(points) > 1.2 * first and len(faces) > 2 * first:
             coarse = _coarse(points, faces, 2 * first)

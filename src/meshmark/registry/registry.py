@@ -265,10 +265,8 @@ class Registry:
     def taken(self, id: int, key: str) -> RegistryError:
         """Return what to say where a new copy is to have the id of another one."""
         found = self.copies_with_id(id, key)
-        whose = ""
-        if found:
-            to = f" to {found[0].recipient}" if found[0].recipient else ""
-            whose = f" ({found[0].state}{to}, a copy of {found[0].original_name})"
+        to = f" to {found[0].recipient}" if found and found[0].recipient else ""
+        whose = f" ({found[0].state}{to}, a copy of {found[0].original_name})" if found else ""
         return RegistryError(
             f"the id {format_id(id)} is in the registry already{whose}, expected a new one for each copy"
         )

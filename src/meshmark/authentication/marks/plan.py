@@ -4,30 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 from math import sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
-from meshmark.authentication.marks.candidates import (
-    HEADER,
-    PAYLOAD,
-    PLACE,
-    Candidates,
-    as_laid_out,
-    candidates,
-    joined,
-    level_of,
-    room,
-    step_of,
-)
-from meshmark.authentication.marks.choice import alike, completed, firm_first, firm_points
+from meshmark.authentication.marks.candidates import HEADER, PAYLOAD, PLACE, Candidates, joined
+from meshmark.authentication.marks.choice import alike, completed, firm_first
 from meshmark.authentication.marks.model_cells import cells_of, masks
-from meshmark.authentication.marks.ring_shapes import RingShapes, ring_shapes
-from meshmark.authentication.marks.rings import Rings
-from meshmark.authentication.marks.rings_of import rings_of
+from meshmark.authentication.marks.ring_room import RingRoom
 from meshmark.authentication.marks.symbols import covers_id, header_symbols, pieces_of_id, place_symbols
-from meshmark.authentication.marks.words import PURPOSE, bind, places_of, words_of
+from meshmark.authentication.marks.words import bind, places_of, words_of
 from meshmark.authentication.parameters import (
     COVERING,
     FINE,
@@ -59,21 +47,31 @@ SymbolSource = Callable[[NDArray[np.uint32]], NDArray[np.uint16]]
 class Plan:
     """What a surface can carry; `mark` writes it.
 
-    surface: that is to be marked. found: the m marks as their rings read before. payload_index: (payload_marks,)
-    uint32 of the payload symbols; rings that are alike share one. layout: bits per mark. unit: smallest step, in
-    scene units. covered: share of the points that faces use which are marks or in the ring of one, 0 to 1.
-    carries_id: the marks carry every piece of the model's id. once: no two marks that tell it have rings that are
-    alike.
+    surface: that is to be marked. found: the m marks as their rings read before. layout: bits per mark. unit:
+    smallest step, in scene units. covered: share of the points that faces use which are marks or in the ring of
+    one, 0 to 1.
     """
 
     surface: Surface = field(repr=False)
     found: Candidates = field(repr=False)
-    payload_index: NDArray[np.uint32]
     layout: Layout
     unit: float
     covered: float
-    carries_id: bool
-    once: bool
+
+    @cached_property
+    def payload_index(self) -> NDArray[np.uint32]:
+        """Return (payload_marks,): the indices of the payload symbols; rings that are alike share one."""
+        return np.asarray(self.found.index[self.found.kind == PAYLOAD])
+
+    @cached_property
+    def carries_id(self) -> bool:
+        """Return whether the marks carry every piece of the model's id."""
+        return covers_id(self.found.index[self.found.kind == HEADER], self.layout.symbol)
+
+    @cached_property
+    def once(self) -> bool:
+        """Return whether no two marks that tell the id have rings that are alike."""
+        return not len(alike(self.found))
 
     @property
     def marks(self) -> IntArray:
@@ -138,30 +136,27 @@ def plan(surface: Surface, key: Key, precision: float, choice: int = 0, style: S
     """
     if not (np.isfinite(precision) and precision > 0.0):
         raise InputError(f"a precision of {precision:g} is out of range, expected a number above 0")
-    points = surface.points
     unit = style.unit * precision
     radius = _frame(surface)[1]
-    parts = [(rings, ring_shapes(points, rings, style)) for rings in rings_of(surface)]
+    rings = RingRoom.of(surface, unit, style)
     purpose = "authentication choice of marks" + (f" {choice}" if choice else "")
-    chance = unit_interval(keyed_words(key.subkey(purpose), len(points)))
-    levels = _room(len(points), parts, unit)
-    firm = firm_points(points, parts)
-    fewest = min(layout.levels for layout in style.layouts)
-    enough = COVERING * (levels >= fewest).sum()
+    chance = unit_interval(keyed_words(key.subkey(purpose), len(surface.points)))
+    firm = rings.firm
+    enough = COVERING * rings.allowed(min(layout.levels for layout in style.layouts)).sum()
     for wanted in (PSNR_WANTED, PSNR_LEAST):
         most = 2.0 * radius * 10.0 ** (-wanted / 20.0)
         for layout in style.layouts:
-            allowed = levels >= layout.levels
-            if allowed.sum() < enough or _rms(parts, allowed, unit, layout) * sqrt(_MARK_SHARE) > most:
+            allowed = rings.allowed(layout.levels)
+            if allowed.sum() < enough or rings.rms(allowed, layout) * sqrt(_MARK_SHARE) > most:
                 continue
             chosen = firm_first(surface.connectivity, allowed, firm, chance)
-            if _rms(parts, chosen, unit, layout) <= most:
+            if rings.rms(chosen, layout) <= most:
                 if chosen.sum() < style.least:
                     raise CapacityError(
                         f"the model has room for {int(chosen.sum())} marks of authentication, needs "
                         f"{style.least}; it has too few points, or too fine ones for the precision of its file"
                     )
-                found = as_laid_out(_found(points, parts, chosen, unit, key), layout)
+                found = rings.found(chosen, key, layout)
                 ample = (found.kind == HEADER).sum() >= _AMPLE * pieces_of_id(layout.symbol)
                 for _ in range(_UNALIKE if ample else 0):
                     gone = alike(found)
@@ -173,17 +168,14 @@ def plan(surface: Surface, key: Key, precision: float, choice: int = 0, style: S
                     before, chosen = chosen, chosen.copy()
                     chosen[gone] = False
                     chosen = completed(surface.connectivity, chosen, allowed, firm, chance)
-                    added = _found(points, parts, chosen & ~before, unit, key)
-                    found = joined([found.take(chosen[found.vertex]), as_laid_out(added, layout)])
+                    added = rings.found(chosen & ~before, key, layout)
+                    found = joined([found.take(chosen[found.vertex]), added])
                 return Plan(
                     surface=surface,
                     found=found,
-                    payload_index=found.index[found.kind == PAYLOAD],
                     layout=layout,
                     unit=unit,
-                    covered=_covered(parts, chosen),
-                    carries_id=covers_id(found.index[found.kind == HEADER], layout.symbol),
-                    once=not len(alike(found)),
+                    covered=rings.covered(chosen),
                 )
     raise CapacityError(
         "the precision of the file is too coarse for invisible marks of authentication, expected more digits"
@@ -239,48 +231,6 @@ def mark(plan: Plan, key: Key, nonce: int, symbols: SymbolSource, *, bound: bool
         symbol_bits=layout.symbol,
         step=plan.unit,
     )
-
-
-_Part = tuple[Rings, RingShapes]
-_Parts = list[_Part]
-
-
-def _found(points: FloatArray, parts: _Parts, chosen: NDArray[np.bool_], unit: float, key: Key) -> Candidates:
-    """Return the plain readings of the chosen (p,) points."""
-    return joined([_plain(points, part, chosen, unit, key) for part in parts])
-
-
-def _covered(parts: _Parts, chosen: NDArray[np.bool_]) -> float:
-    vouched, used = chosen.copy(), np.zeros(len(chosen), bool)
-    for group, _ in parts:
-        used[group.around] = True
-        vouched[group.around[chosen[group.vertex]]] = True
-    return float(vouched.sum() / used.sum())
-
-
-def _room(count: int, parts: _Parts, unit: float) -> FloatArray:
-    levels = np.zeros(count)
-    for group, shape in parts:
-        levels[group.vertex] = room(shape, unit)
-    return levels
-
-
-def _rms(parts: _Parts, chosen: NDArray[np.bool_], unit: float, layout: Layout) -> float:
-    """Return the RMS displacement of all points for marks at `chosen` (p,): uniform in the span of each axis."""
-    square = 0.0
-    for group, shape in parts:
-        some = shape.take(chosen[group.vertex])
-        step = some.size * step_of(np.floor(level_of(some, unit)).astype(np.int64))
-        square += float(step @ step)
-    return sqrt(square * sum(each**2 for each in layout.radix) / 12.0 / len(chosen))
-
-
-def _plain(points: FloatArray, part: _Part, chosen: NDArray[np.bool_], unit: float, key: Key) -> Candidates:
-    rings, shapes = part
-    rows = np.flatnonzero(chosen[rings.vertex])
-    shapes = shapes.take(rows)
-    level = np.floor(level_of(shapes, unit)).astype(np.int64)
-    return candidates(points, rings.take(rows), shapes, level, key.subkey(PURPOSE), all_ways=False)
 
 
 def _frame(surface: Surface) -> tuple[FloatArray, float]:

@@ -31,11 +31,15 @@ _COARSER = (1.2, 1.45)
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Planned:
-    """What to mark and how: a mesh of which points that rounding may make one are one already, and its plan."""
+    """What to mark and how: a mesh of which points that rounding may make one are one already, and its plan.
+
+    content: of the payload, where it was made for nearly the same plan.
+    """
 
     mesh: Mesh
     plan: Plan
     precision: Precision
+    content: bytes | None = None
 
 
 def plans(mesh: Mesh, key: Key, tolerance: str | None, *, small: bool = False) -> Iterator[Planned]:

@@ -52,14 +52,18 @@ def content_of(payload: Content) -> Asked:
 
 
 def content_for(
-    asked: Asked, surface: Surface, whole: Whole, symbols: int, symbol_bits: int
+    asked: Asked, surface: Surface, whole: Whole, marks: tuple[int, int], *, made: bytes | None = None
 ) -> tuple[bytes, tuple[str, ...]]:
-    """Return the packed payload for `symbols` marks with different symbols, and remarks about it.
+    """Return the packed payload for marks, and remarks about it.
 
-    surface: of a miniature; whole: what is signed off. Raises `CapacityError` where what was asked for does not
-    fit; where it is a miniature that nobody asked for, a remark says that it is left out.
+    surface: of a miniature; whole: what is signed off; marks: how many have different symbols, and the bits of
+    each; made: a miniature of this surface, which is taken where it fits. Raises `CapacityError` where what was
+    asked for does not fit; where it is a miniature that nobody asked for, a remark says that it is left out.
     """
+    symbols, symbol_bits = marks
     room = max(capacity(symbols, symbol_bits) - whole.more, 0)
+    if asked.kind in ("any", "miniature") and made and len(made) <= room:
+        return pack("miniature", made, whole), ()
     if asked.kind == "any":
         try:
             return pack("miniature", _miniature(surface, room), whole), ()

@@ -1,0 +1,91 @@
+"""The rings of a surface that is to be marked: how much room each has, and what marks at some of them are like."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshmark.authentication.marks.candidates import (
+    Candidates,
+    as_laid_out,
+    candidates,
+    joined,
+    level_of,
+    room,
+    step_of,
+)
+from meshmark.authentication.marks.choice import firm_points
+from meshmark.authentication.marks.ring_shapes import RingShapes, ring_shapes
+from meshmark.authentication.marks.rings import Rings
+from meshmark.authentication.marks.rings_of import rings_of
+from meshmark.authentication.marks.words import PURPOSE
+from meshmark.authentication.parameters import Layout, Style
+from meshmark.coding.keys import Key
+from meshmark.geometry.surface import Surface
+from meshmark.mesh import FloatArray
+
+__all__ = ["RingRoom"]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class RingRoom:
+    """Rings of p points. parts: the rings by size, with their shapes; unit: the smallest step, in scene units."""
+
+    points: FloatArray
+    parts: list[tuple[Rings, RingShapes]]
+    unit: float
+
+    @staticmethod
+    def of(surface: Surface, unit: float, style: Style) -> RingRoom:
+        """Return the rings of a surface for marks of a style."""
+        parts = [(rings, ring_shapes(surface.points, rings, style)) for rings in rings_of(surface)]
+        return RingRoom(points=surface.points, parts=parts, unit=unit)
+
+    @cached_property
+    def levels(self) -> FloatArray:
+        """Return (p,): how many levels a mark at each point may have, 0 where it may have none."""
+        levels = np.zeros(len(self.points))
+        for group, shape in self.parts:
+            levels[group.vertex] = room(shape, self.unit)
+        return levels
+
+    @cached_property
+    def firm(self) -> NDArray[np.bool_]:
+        """Return (p,): see `firm_points`."""
+        return firm_points(self.points, self.parts)
+
+    def allowed(self, levels: int) -> NDArray[np.bool_]:
+        """Return (p,): the points that have room for marks of this number of levels."""
+        return np.asarray(self.levels >= levels)
+
+    def found(self, chosen: NDArray[np.bool_], key: Key, layout: Layout) -> Candidates:
+        """Return the plain readings of the chosen (p,) points, as marks of a layout."""
+        return as_laid_out(joined([self._plain(part, chosen, key) for part in self.parts]), layout)
+
+    def _plain(self, part: tuple[Rings, RingShapes], chosen: NDArray[np.bool_], key: Key) -> Candidates:
+        rings, shapes = part
+        rows = np.flatnonzero(chosen[rings.vertex])
+        shapes = shapes.take(rows)
+        level = np.floor(level_of(shapes, self.unit)).astype(np.int64)
+        return candidates(self.points, rings.take(rows), shapes, level, key.subkey(PURPOSE), all_ways=False)
+
+    def covered(self, chosen: NDArray[np.bool_]) -> float:
+        """Return which share of the points that faces use is chosen (p,) or in the ring of one that is."""
+        vouched, used = chosen.copy(), np.zeros(len(chosen), bool)
+        for group, _ in self.parts:
+            used[group.around] = True
+            vouched[group.around[chosen[group.vertex]]] = True
+        return float(vouched.sum() / used.sum())
+
+    def rms(self, chosen: NDArray[np.bool_], layout: Layout) -> float:
+        """Return the RMS displacement of all points for marks at `chosen` (p,): each axis uniform in its span."""
+        square = 0.0
+        for group, shape in self.parts:
+            some = shape.take(chosen[group.vertex])
+            step = some.size * step_of(np.floor(level_of(some, self.unit)).astype(np.int64))
+            square += float(step @ step)
+        return sqrt(square * sum(each**2 for each in layout.radix) / 12.0 / len(chosen))
