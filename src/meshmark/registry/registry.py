@@ -92,10 +92,8 @@ class Registry:
             Entered where it is new.
         key : str
             Public fingerprint of the key.
-        id : int, optional
-            Drawn where it is left out, another than all of this key.
-        bits : int
-            Of the id that is drawn, 64 or 32.
+        id, bits : int, optional
+            Drawn where it is left out, of 64 or 32 bits, another than all of this key.
         recipient, path : str, optional
             To whom the copy goes, and where its file.
 
