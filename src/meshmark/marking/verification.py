@@ -59,7 +59,9 @@ def _has_marks(mesh: Mesh, key: Key, identity: int | None) -> bool:
     surface = marked_surface(mesh)
     signed = identity is not None and bits_of(identity) == ID_BITS
     shapes = shapes_of(surface)
-    checks = (check(surface, key, nonce, shapes=shapes) for nonce in ((None, identity) if signed else (None,)))
+    checks = (
+        check(surface, key, nonce, shapes=shapes) for nonce in ((None, identity) if signed else (None,))
+    )
     return any(each.speak and each.log10_chance <= MARKED_LOG10 for each in checks)
 
 
