@@ -89,21 +89,8 @@ def test_extract_tells_numbers_that_help_to_remove_a_mark_only_to_who_diagnoses(
     assert "below 10^-30." not in cli(*line, "--diagnose").out
 
 
-@pytest.fixture
-def shortened(monkeypatch):
-    """Let each way of searching try one spacing, one step and one smoothing, so that a wide one ends soon."""
-    from meshmark.ownership.search import restored, stretched, unsmoothed
-
-    monkeypatch.setattr(unsmoothed, "SMOOTHINGS", {(0.5,): (1,)})
-
-    spacings = restored.preferred_spacings
-    monkeypatch.setattr(restored, "preferred_spacings", lambda area: spacings(area)[:1])
-    for module in (restored, stretched):
-        monkeypatch.setattr(module, "LOCK_STEPS", module.LOCK_STEPS[:1])
-
-
 @pytest.mark.parametrize("search", ["quick", "wide"])
-def test_extract_from_an_unmarked_model_exits_with_1(cli, files, tmp_path, shortened, search):
+def test_extract_from_an_unmarked_model_exits_with_1(cli, files, tmp_path, short_search, search):
     mm.write_mesh(mm.Mesh(*pebble(30)), tmp_path / "unmarked.ply")
     ran = cli("extract", tmp_path / "unmarked.ply", "--key", files.key, "--search", search, "--json")
     found = only_object(ran.out)

@@ -21,7 +21,7 @@ from tests.shapes import pebble
 def sphere(tmp_path_factory) -> bytes:
     """A small bumpy sphere as a binary STL."""
     folder = tmp_path_factory.mktemp("sphere")
-    write_mesh(Mesh(*pebble(48)), folder / "sphere.stl")
+    write_mesh(Mesh(*pebble(50)), folder / "sphere.stl")
     return (folder / "sphere.stl").read_bytes()
 
 

@@ -81,7 +81,7 @@ def test_a_reference_makes_no_mark(model, marked, short_search):
 
 
 def test_what_is_read_is_the_same_every_time(marked):
-    suspect = attacked(marked.mesh, "smoothing:30")
+    suspect = attacked(marked.mesh, "smoothing:10")
     first, second = (extract(suspect, KEY) for _ in range(2))
     assert first.lock_score == second.lock_score
     assert first.log10_false_positive == second.log10_false_positive

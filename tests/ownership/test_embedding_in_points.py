@@ -32,7 +32,7 @@ SHAPES = {
     "table": table(),
     "prism": prism(16, 6, 3.0),
     "slab": box(*SLAB),
-    "fine prism": prism(60, 7, 6.0),
+    "fine prism": prism(40, 5, 6.0),
 }
 # So coarse that its cells are not searched.
 COLUMN = prism(30, 2, 8.0)

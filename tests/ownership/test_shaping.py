@@ -52,7 +52,7 @@ def test_the_shaped_surface_says_the_bits_and_the_pilots_as_foretold(standard):
     agreement, pilot = cosines(standard.shaped(STEP), STEP)
     before = cosines(SURFACE.points, STEP)[0]
     assert abs(before.mean()) < 0.2
-    told = standard.told(STEP, 0.0)
+    told = standard.expected_cosine(STEP, 0.0)
     assert told > 0.5
     for kind in (pilot, ~pilot):
         assert agreement[kind].mean() == pytest.approx(told, abs=0.12)
@@ -62,7 +62,7 @@ def test_what_may_be_seen_sets_how_far_cells_go():
     told, shares = [], []
     for share in (0.003, 0.025, 0.2):
         made = shaping(share)
-        told.append(made.told(STEP, 0.0))
+        told.append(made.expected_cosine(STEP, 0.0))
         shares.append(SEEN.of(made.shaped(STEP)).share)
         assert shares[-1] < 2.0 * share + 0.01
     assert told == sorted(told)
@@ -72,7 +72,7 @@ def test_what_may_be_seen_sets_how_far_cells_go():
 
 def test_more_noise_tells_less_and_larger_steps_are_louder(standard):
     diagonal = float(np.linalg.norm(np.ptp(SURFACE.points, axis=0)))
-    told = [standard.told(STEP, noise * diagonal) for noise in (0.0, 1e-3, 3e-3, 1e-2)]
+    told = [standard.expected_cosine(STEP, noise * diagonal) for noise in (0.0, 1e-3, 3e-3, 1e-2)]
     assert told == sorted(told, reverse=True)
     assert told[-1] < 0.3 * told[0]
     assert standard.loudness(2.0 * STEP) > 1.4 * standard.loudness(STEP)
@@ -85,7 +85,7 @@ def test_the_first_order_predicts_how_far_points_move(standard):
 
 def test_the_noise_borne_is_that_under_which_the_bits_needed_are_left(standard):
     borne = standard.borne(STEP)
-    left = standard.told(STEP, borne)
+    left = standard.expected_cosine(STEP, borne)
     assert standard.carriers * left**2 / np.log(2.0) == pytest.approx(NEEDED_BITS, rel=0.02)
     assert shaping(1e-6).borne(1.0) == 0.0
 
@@ -99,5 +99,5 @@ def test_the_prediction_of_noise_is_what_noise_does(standard):
     noised = np.mean(
         [cosines(points + noise * rng.normal(size=points.shape), STEP)[0].mean() for _ in range(5)]
     )
-    foretold = standard.told(STEP, noise) / standard.told(STEP, 0.0)
+    foretold = standard.expected_cosine(STEP, noise) / standard.expected_cosine(STEP, 0.0)
     assert noised / clean == pytest.approx(foretold, abs=0.08)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from meshmark.authentication.checks.carried import Expected
 from meshmark.authentication.checks.likeliest_id import marks_of_ids
-from meshmark.authentication.checks.ring_reading import Read, read_marks
+from meshmark.authentication.checks.ring_reading import Read, beyond_luck, read_marks
 from meshmark.authentication.checks.setting_search import Setting, all_candidates, plain_candidates
 from meshmark.authentication.marks.candidates import (
     HEADER,
@@ -43,6 +43,8 @@ _SAMPLE = 600
 _SCREENED, _BY_LUCK = 6, 3
 # Rings whose candidates are made at once: a large model's would take gigabytes meanwhile.
 _BLOCK = 1 << 16
+# Where this number of marks is read and no more hold than by luck, other ways to read them are not tried.
+_MANY = 1000
 _Parts = list[tuple[Rings, RingShapes]]
 
 
@@ -87,23 +89,19 @@ def sweep(
     for group, shape in parts:
         able[group.vertex] = able_rings(shape, setting)
     subkey = key.subkey(PURPOSE)
-    found = joined(
-        [
-            plain_candidates(points, group.take(rows), shape.take(rows), setting, subkey)
-            for group, shape in parts
-            for every in [np.arange(len(group.vertex))]
-            for rows in (every[block] for block in blocks(max(len(every), 1), _BLOCK))
-        ]
-    )
+    found = joined([plain_candidates(points, *part, setting, subkey) for part in parts])
     held = np.zeros(len(points), bool)
     blind = nonce is None and not setting.layout.pieces_only
-    identity = _reported_id(found, key, setting) if blind else nonce
+    identity, none = _reported_id(found, key, setting) if blind else (nonce, False)
     readable = identity is not None or not blind
     if readable:
         read = read_marks(found, key, setting.layout, identity, payload)
         held[found.vertex[read.holds & ~read.new_boundary]] = True
+        none = _surely_none(found, read, setting)
+    elif none:
+        return None
     again = _around(parts, able & ~vouched(parts, held))
-    if not readable or again.any():
+    if not readable or (again.any() and not none):
         rest = [
             all_candidates(points, group.take(rows), shape.take(rows), setting, subkey)
             for group, shape in parts
@@ -111,7 +109,8 @@ def sweep(
             for rows in (chosen[block] for block in blocks(max(len(chosen), 1), _BLOCK))
         ]
         found = joined([found.take(~again[found.vertex]), *rest])
-        identity = _reported_id(found, key, setting) if blind else nonce
+        if blind:
+            identity, _ = _reported_id(found, key, setting)
         if blind and identity is None:
             return None
         read = read_marks(found, key, setting.layout, identity, payload)
@@ -130,6 +129,12 @@ def sweep(
         found, unread = with_beside(found, tries.take(held)), tries.take(~held)
         read = read.take(np.concatenate([np.arange(first), first + np.flatnonzero(held)]))
     return Sweep(found=found, read=read, nonce=identity, able=able, rounded=rounded, unread=unread)
+
+
+def _surely_none(found: Candidates, read: Read, setting: Setting) -> bool:
+    """Return whether so few of many marks hold that there are none; of marked surfaces many are read plainly."""
+    many = not setting.layout.pieces_only and len(found.vertex) >= _MANY
+    return many and not beyond_luck(found, read.holds, setting.layout)
 
 
 def able_rings(shape: RingShapes, setting: Setting) -> NDArray[np.bool_]:
@@ -159,25 +164,27 @@ def _around(parts: _Parts, chosen: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return around
 
 
-def _reported_id(found: Candidates, key: Key, setting: Setting) -> int | None:
-    """Return the model's id as the marks report it; each point has one vote, whose ways to be read share it.
+def _reported_id(found: Candidates, key: Key, setting: Setting) -> tuple[int | None, bool]:
+    """Return the model's id as the marks report it, and whether there are surely none that could.
 
-    Of the likely ones it is that with which most of the other marks hold.
+    Each point has one vote, which the ways to read it share. Of the likely ids it is that with which most of the
+    other marks hold.
     """
     tries = np.bincount(found.vertex)
     header = found.take(found.kind == HEADER)
     read = read_marks(header, key, setting.layout, None)
+    if _surely_none(header, read, setting):
+        return None, True
     header, symbol = header.take(read.holds), read.symbol[read.holds]
     likely = read_header(header.index, symbol, 1.0 / tries[header.vertex], setting.layout.symbol)
     rest = np.flatnonzero(found.kind != HEADER)
     some = found.take(rest[:: max(len(rest) // _SAMPLE, 1)])
     if not likely:
-        return None
+        return None, False
     few = some.take(np.arange(0, len(some.vertex), _SCREENED))
     held = marks_of_ids(few, key, setting.layout, np.array(likely, np.uint64))
     likely = [likely[each] for each in np.flatnonzero(held >= held.max() / 2 - _BY_LUCK)]
     if len(likely) == 1:
-        return likely[0]
-    return likely[
-        int(np.argmax([read_marks(some, key, setting.layout, each).holds.sum() for each in likely]))
-    ]
+        return likely[0], False
+    marks = [read_marks(some, key, setting.layout, each).holds.sum() for each in likely]
+    return likely[int(np.argmax(marks))], False

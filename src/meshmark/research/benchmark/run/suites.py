@@ -69,11 +69,9 @@ SUITES: dict[str, Suite] = {
         budgets=("standard",),
         parts=(
             Part(attacks=("none", "similarity:1", "shuffle:1", "float32:1", "file_obj:1", "midpoint:1")),
-            Part(
-                attacks=("noise:0.001", "smoothing:5", "quantisation:11", "simplification:0.5", "crop:0.03")
-            ),
+            Part(attacks=("noise:0.001", "smoothing:5", "quantisation:11", "simplification:0.5")),
             Part(attacks=("none",), trial="wrong key", repeats=2),
-            Part(attacks=("none", "noise:0.003"), trial="unmarked"),
+            Part(attacks=("none",), trial="unmarked"),
         ),
     ),
     "paper": Suite(
