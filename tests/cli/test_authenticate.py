@@ -186,7 +186,7 @@ def test_recover_brings_the_part_back_and_leaves_the_rest(cli, files, edited, tm
     assert np.sqrt((after**2).mean()) < 0.8 * np.sqrt((before**2).mean())
     moved = (whole != suspect).any(axis=1)
     assert found["vertices_moved"] == moved.sum()
-    assert not (moved & (np.linalg.norm(suspect - marked, axis=1) == 0)).sum() > 0.05 * moved.sum()
+    assert not (moved & (np.linalg.norm(suspect - marked, axis=1) == 0)).sum() > 0.1 * moved.sum()
 
 
 def test_recover_with_the_original_gives_the_marked_file_back(cli, files, edited, tmp_path):

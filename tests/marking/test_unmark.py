@@ -75,7 +75,7 @@ def test_the_bound_that_is_told_holds_at_every_scale_and_precision():
         is_unmarked_within_its_bound(share)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(
     scale=st.floats(-12, 12).map(lambda power: 10.0**power),
     away=st.floats(0.0, 40.0),
