@@ -120,11 +120,11 @@ def test_coordinates_show_the_bits_of_both_grids(grid):
 def test_a_glb_bears_web_exports_by_default_and_an_obj_does_not(tmp_path):
     mesh = Mesh(*pebble(70))
     used = {}
-    for name, tolerance in (("a.glb", None), ("b.obj", None), ("c.gltf", "default"), ("d.gltf", None)):
+    for name, tolerance in (("a.glb", None), ("b.obj", None), ("c.gltf", "default")):
         made = embed_file(mesh, tmp_path / name, KEY, id=ID, payload="none", tolerance=tolerance)
         assert made.authentication is not None
         used[name] = made.authentication.tolerance
-    assert used == {"a.glb": "web", "b.obj": "default", "c.gltf": "default", "d.gltf": "web"}
+    assert used == {"a.glb": "web", "b.obj": "default", "c.gltf": "default"}
 
 
 def test_a_glb_without_room_has_marks_of_the_default_and_says_so(tmp_path):
