@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import contextlib
 import io
-import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
+from folders import enter_copy
 from json_object import only_object
 from refusals import assert_refused, snapshot
 
@@ -52,9 +52,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def place(made: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A copy of the folder, which is the current one."""
-    for path in made.iterdir():
-        shutil.copy(path, tmp_path / path.name)
-    monkeypatch.chdir(tmp_path)
+    enter_copy(made, tmp_path, monkeypatch)
     monkeypatch.delenv("MESHMARK_REGISTRY", raising=False)
     return tmp_path
 

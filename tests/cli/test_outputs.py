@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import os
 import resource
-import shutil
 import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from folders import enter_copy
 from json_object import only_object
 from refusals import assert_refused, snapshot
 
@@ -70,9 +70,7 @@ WRITING = {
 @pytest.fixture
 def place(small: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder of copies, which is the current one."""
-    for path in small.iterdir():
-        shutil.copy(path, tmp_path / path.name)  # with its mode: a key is its owner's alone
-    monkeypatch.chdir(tmp_path)
+    enter_copy(small, tmp_path, monkeypatch)
     return tmp_path
 
 

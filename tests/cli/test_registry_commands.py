@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from folders import enter_copy
 from json_object import only_object
 from refusals import assert_refused, snapshot
 
@@ -50,9 +51,7 @@ def issued(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def place(issued: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A copy of the folder, which is the current one."""
-    for path in issued.iterdir():
-        shutil.copy(path, tmp_path / path.name)
-    monkeypatch.chdir(tmp_path)
+    enter_copy(issued, tmp_path, monkeypatch)
     monkeypatch.delenv("MESHMARK_REGISTRY", raising=False)
     return tmp_path
 

@@ -111,7 +111,7 @@ class Sampler:
 
 
 class SamplerPlans:
-    """Samplers of one mesh for several lengths of the longest piece; one and the same where no face is split.
+    """Samplers of one mesh for several lengths of the longest piece, each planned once; one where no face is split.
 
     lengths: (m,) `face_lengths` of the faces (m, 3).
     """
@@ -119,15 +119,14 @@ class SamplerPlans:
     def __init__(self, faces: IntArray, lengths: FloatArray) -> None:
         self._faces, self._lengths = faces, lengths
         self._longest = float(lengths.max(initial=0.0))
-        self._whole: Sampler | None = None
+        self._known: dict[float, Sampler] = {}
 
     def plan(self, points: FloatArray, longest: float) -> Sampler:
         """Return what `plan_samples` does for points (p, 3) of these lengths."""
-        if self._longest > longest:
-            return plan_samples(points, self._faces, longest, self._lengths)
-        if self._whole is None:
-            self._whole = plan_samples(points, self._faces, longest, self._lengths)
-        return self._whole
+        split = min(longest, self._longest)  # any longer one splits no face either
+        if split not in self._known:
+            self._known[split] = plan_samples(points, self._faces, split, self._lengths)
+        return self._known[split]
 
 
 def gathered(samples: Samples, size: float) -> Samples:

@@ -14,7 +14,7 @@ import numpy as np
 
 from meshmark.geometry.completion import completed_frames
 from meshmark.geometry.frame import Frame
-from meshmark.geometry.sampling import Samples, gathered, plan_samples
+from meshmark.geometry.sampling import SamplerPlans, Samples, gathered
 from meshmark.mesh import FloatArray
 from meshmark.ownership.carriers.grown_lock import MOST_FIRST, neighbourhoods
 from meshmark.ownership.carriers.lattice import Lattice
@@ -64,6 +64,8 @@ class _Suspect:
 
     def __init__(self, search: Search, home: Frame) -> None:
         self._points, self._search = home.to_canonical(search.surface.points), search
+        surface = search.surface
+        self._plans = SamplerPlans(surface.faces, surface.face_lengths / home.scale)
         # Of the likeliest label: that of the whole where little is gone.
         self._label = search.labels(search.surface.invariants)[0]
         self._samples: dict[float, Samples] = {}
@@ -73,7 +75,7 @@ class _Suspect:
         """Return samples of the surface."""
         if spacing not in self._samples:
             longest = LONGEST_SAMPLE * spacing
-            sampler = plan_samples(self._points, self._search.surface.faces, longest)
+            sampler = self._plans.plan(self._points, longest)
             self._samples[spacing] = gathered(sampler(self._points), GATHER * longest)
         return self._samples[spacing]
 

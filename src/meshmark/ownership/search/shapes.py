@@ -59,7 +59,6 @@ class Shapes:
         self._invariants: WeakKeyDictionary[Shape, FloatArray] = WeakKeyDictionary()
         self._samples: WeakKeyDictionary[Shape, dict[float, Samples]] = WeakKeyDictionary()
         self._cells: WeakKeyDictionary[Shape, dict[tuple[float, str, bytes], Cells]] = WeakKeyDictionary()
-        self._samplers: dict[float, Sampler] = {}
         self._plans: SamplerPlans | None = None
         self._middles: WeakKeyDictionary[Restoration, tuple[FloatArray, Umbrellas]] = WeakKeyDictionary()
         self._sampled: WeakKeyDictionary[Shape, tuple[Sampler, Samples]] = WeakKeyDictionary()
@@ -88,11 +87,9 @@ class Shapes:
         if spacing not in known:
             canonical = self.frame(shape).to_canonical(shape.points)
             longest = LONGEST_SAMPLE * spacing
-            if spacing not in self._samplers:  # shapes of one suspect are alike: one plan does for all
-                if self._plans is None:
-                    self._plans = SamplerPlans(self._faces, face_lengths(canonical, self._faces))
-                self._samplers[spacing] = self._plans.plan(canonical, longest)
-            sampler = self._samplers[spacing]
+            if self._plans is None:  # shapes of one suspect are alike: one plan does for all
+                self._plans = SamplerPlans(self._faces, face_lengths(canonical, self._faces))
+            sampler = self._plans.plan(canonical, longest)
             if shape not in self._sampled or self._sampled[shape][0] is not sampler:
                 self._sampled[shape] = sampler, sampler(canonical)
             known[spacing] = gathered(self._sampled[shape][1], GATHER * longest)
@@ -132,10 +129,9 @@ class Shapes:
             nodes=start.nodes, offset=offset, normal=start.normal, mass=start.mass, flatness=start.flatness
         )
         if restoration not in self._middles:
-            points = restoration.between(restoration.middle)
-            self._middles[restoration] = points, Umbrellas.of(points, self._joined)
-        pose = self._pose(first, turned)
-        relief = self._relief(*self._middles[restoration], cells, framed=first, pose=pose, lattice=lattice)
+            middle = self.frame(first).to_canonical(restoration.between(restoration.middle))
+            self._middles[restoration] = middle, Umbrellas.of(middle, self._joined)
+        relief = _relief(*self._middles[restoration], cells, lattice, self._pose(first, turned))
         gradient = np.hstack([pose_gradient(cells, lattice), change])
         return Response(Measurement.of(lattice, cells, relief), gradient)
 
@@ -146,24 +142,9 @@ class Shapes:
         shape = Shape(restoration.between(shares), restoration.shapes[0].framed_by)
         pose = self._pose(shape, hypothesis.turned).then(correction[:POSE_SIZE])
         cells = read_cells(self.samples(shape, lattice.spacing), lattice, pose)
-        moves = Umbrellas.of(shape.points, self._joined)
-        relief = self._relief(shape.points, moves, cells, framed=shape, pose=pose, lattice=lattice)
+        canonical = self.frame(shape).to_canonical(shape.points)
+        relief = _relief(canonical, Umbrellas.of(canonical, self._joined), cells, lattice, pose)
         return Response(Measurement.of(lattice, cells, relief), pose_gradient(cells, lattice))
-
-    def _relief(
-        self,
-        points: FloatArray,
-        moves: Umbrellas,
-        cells: Cells,
-        *,
-        framed: Shape,
-        pose: Pose,
-        lattice: Lattice,
-    ) -> Relief:
-        """Measure points (p, 3) around the cells, brought to a pose in the canonical frame of `framed`."""
-        frame = self.frame(framed)
-        placed = lattice.coordinates(pose(frame.to_canonical(points)))
-        return measure_relief(placed, moves.scaled(pose.scale / (frame.scale * lattice.spacing)), cells)
 
     def _pose(self, shape: Shape, turned: Frame) -> Pose:
         """Return the turn from a shape's own frame to that of its alternatives which is nearest to `turned`."""
@@ -174,3 +155,9 @@ class Shapes:
             frame_alternatives(own, exchange=True), key=lambda other: float((other.axes * turned.axes).sum())
         )
         return Pose.turned(own.axes.T @ nearest.axes)
+
+
+def _relief(points: FloatArray, moves: Umbrellas, cells: Cells, lattice: Lattice, pose: Pose) -> Relief:
+    """Measure canonical points (p, 3), brought to a pose, around the cells."""
+    placed = lattice.coordinates(pose(points))
+    return measure_relief(placed, moves.scaled(pose.scale / lattice.spacing), cells)
