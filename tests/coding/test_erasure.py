@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from meshmark.coding.erasure import erasure_code
 from meshmark.coding.erasure.belief import trust
 from meshmark.coding.erasure.erasure_code import ErasureCode, capacity, decode
 from meshmark.coding.erasure.graph import DENSE, Graph, mix, sizes
@@ -82,6 +83,21 @@ def test_noise_gives_nothing():
     rng = np.random.default_rng(4)
     index = rng.integers(0, 1 << 32, 400, dtype=np.uint32)
     assert decode(index, rng.integers(0, 256, 400).astype(np.uint16), 8) is None
+
+
+def test_no_size_is_tried_that_hardly_any_pilot_names(monkeypatch):
+    """Solving for noise takes far longer than for a message."""
+    tried = []
+    monkeypatch.setattr(erasure_code, "solve", lambda graph, *_: tried.append(graph.size))
+    rng = np.random.default_rng(4)
+    index = rng.integers(0, 1 << 32, 400, dtype=np.uint32)
+    assert decode(index, rng.integers(0, 1 << 10, 400).astype(np.uint16), 10) is None
+    assert tried == []
+    code = ErasureCode(bytes(40), 10)
+    value = code(index)
+    wrong = rng.random(400) < 0.5
+    decode(index, np.where(wrong, value ^ np.uint16(0x155), value), 10)
+    assert tried == [code.size]
 
 
 def test_symbols_have_so_many_bits_and_belong_to_their_index():

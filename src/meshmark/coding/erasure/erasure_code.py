@@ -27,6 +27,9 @@ CHECK_BYTES = 4
 # One index in PILOT names the size; a size is believed only if it is among the LIKELIEST.
 PILOT = 32
 LIKELIEST = 6
+# Of MANY pilots or more, at least this share agree with a size that is tried: with one symbol of ten wrong fewer agree
+# with the right one once in a thousand times.
+MANY, AGREEING = 3, 1 / 3
 # Symbols that decoding needs beyond those of the message: EXCESS_SHARE of these, and EXCESS in each segment.
 EXCESS_SHARE, EXCESS = 0.03, 12
 _PERSON = b"meshmark payload"
@@ -140,7 +143,8 @@ def _likely_sizes(index: NDArray[np.uint32], value: Symbols, symbol_bits: int, c
         return ladder
     agree = (_pilot_values(index[:, None], ladder, symbol_bits) == value[:, None]).sum(axis=0)
     order = np.argsort(-agree, kind="stable")[:LIKELIEST]
-    return np.asarray(ladder[order[agree[order] >= 0.5 * agree[order[0]]]])
+    least = max(0.5 * agree[order[0]], AGREEING * len(index) if len(index) >= MANY else 0.0)
+    return np.asarray(ladder[order[agree[order] >= least]])
 
 
 def _opened(found: Symbols, symbol_bits: int) -> bytes | None:
