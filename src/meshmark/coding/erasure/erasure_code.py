@@ -27,8 +27,8 @@ CHECK_BYTES = 4
 # One index in PILOT names the size; a size is believed only if it is among the LIKELIEST.
 PILOT = 32
 LIKELIEST = 6
-# Of MANY pilots or more, at least this share agree with a size that is tried: with one symbol of ten wrong fewer agree
-# with the right one once in a thousand times.
+# Of MANY pilots or more, at least this share agree with a size that is tried: with one symbol of ten wrong fewer
+# agree with the right one once in a thousand times.
 MANY, AGREEING = 3, 1 / 3
 # Symbols that decoding needs beyond those of the message: EXCESS_SHARE of these, and EXCESS in each segment.
 EXCESS_SHARE, EXCESS = 0.03, 12
