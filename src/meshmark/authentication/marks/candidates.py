@@ -137,13 +137,16 @@ def eligible(shapes: RingShapes, unit: float, levels: int, margin: float = 1.0) 
     return np.asarray(room(shapes, unit, margin) >= levels)
 
 
-def room(shapes: RingShapes, unit: float, margin: float = 1.0) -> FloatArray:
-    """Return (r,): how many levels a mark may have in each ring, 0 where it may have none (see `eligible`)."""
+def room(shapes: RingShapes, unit: float, margin: float = 1.0, doubt: float | None = None) -> FloatArray:
+    """Return (r,): how many levels a mark may have in each ring, 0 where it may have none (see `eligible`).
+
+    doubt: by how many times the tolerance a length may be off; as the margin where it is left out.
+    """
     exact = level_of(shapes, unit)
     firm = (exact >= LEVELS[0]) & (shapes.spread * margin <= SPREAD) & shapes.normal.any(axis=1)
     level = np.clip(np.floor(exact), LEVELS[0], LEVELS[-1]).astype(np.int64)
     values, cell = _lengths(shapes, level)
-    tolerance = margin * _tolerance(shapes, level)
+    tolerance = (margin if doubt is None else doubt) * _tolerance(shapes, level)
     near = np.abs(values - np.round(values)) <= (tolerance / cell)[:, None]
     ties = shapes.distance >= (shapes.distance.max(axis=1) - tolerance)[:, None]
     clear = (near.sum(axis=1) <= AMBIGUOUS) & (ties.sum(axis=1) <= ALTERNATIVES)
