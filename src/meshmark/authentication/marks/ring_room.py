@@ -16,10 +16,10 @@ from meshmark.authentication.marks.candidates import (
     joined,
     level_of,
     room,
-    step_of,
 )
 from meshmark.authentication.marks.choice import firm_points
 from meshmark.authentication.marks.ring_shapes import RingShapes, ring_shapes
+from meshmark.authentication.marks.ring_ways import step_of
 from meshmark.authentication.marks.rings import Rings
 from meshmark.authentication.marks.rings_of import rings_of
 from meshmark.authentication.marks.words import PURPOSE
