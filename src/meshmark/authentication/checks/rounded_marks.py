@@ -10,8 +10,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from meshmark.authentication.checks.ring_reading import window_of
 from meshmark.authentication.checks.setting_search import Setting, all_candidates, plain_candidates
-from meshmark.authentication.checks.sweep import able_rings, vouched
+from meshmark.authentication.checks.sweep import NEAR, ROUNDED, able_rings, vouched
 from meshmark.authentication.marks.candidates import Candidates, joined
 from meshmark.authentication.marks.plan import Marked, Plan
 from meshmark.authentication.marks.ring_shapes import ring_shapes
@@ -19,12 +20,9 @@ from meshmark.authentication.marks.rings_of import rings_of
 from meshmark.authentication.marks.words import PURPOSE
 from meshmark.authentication.parameters import Style
 from meshmark.coding.keys import Key
-from meshmark.mesh import FloatArray
+from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["unread_when_rounded"]
-
-# A mark is found where it lies within this number of steps of its place: the next whole places are tried, too.
-_NEAR = 0.85
 
 
 def unread_when_rounded(
@@ -63,20 +61,26 @@ def unread_when_rounded(
     subkey = key.subkey(PURPOSE)
     held = np.zeros(count, bool)
 
-    def read(found: Candidates) -> None:
+    def read(found: Candidates) -> tuple[IntArray, FloatArray]:
+        """Return the points of candidates in rings as they were made, and how far off their places they lie."""
         row = row_of[found.vertex]
-        same = found.words[:, 0] == plan.found.words[row, 0]
-        near = (np.abs(found.place - marked.place[row]) <= _NEAR).all(axis=1)
-        held[found.vertex[same & near]] = True
+        same = np.flatnonzero(found.words[:, 0] == plan.found.words[row, 0])
+        return found.vertex[same], np.abs(found.place[same] - marked.place[row[same]]).max(axis=1)
 
-    read(joined([plain_candidates(rounded, *part, setting, subkey) for part in parts]))
+    vertex, off = read(joined([plain_candidates(rounded, *part, setting, subkey) for part in parts]))
+    # As a sweep does, which tries the next whole places, too, where the file was rounded to few digits.
+    near = off[off < 0.5]
+    coarse = len(near) > 0 and float(np.median(near)) > ROUNDED
+    within = 1.0 - NEAR if coarse else min(0.5, window_of(near, plan.layout))
+    held[vertex[off <= within]] = True
     missed = [np.flatnonzero(~held[group.vertex]) for group, _ in parts]
     if any(len(rows) for rows in missed):
         rest = [
             all_candidates(rounded, group.take(rows), shape.take(rows), setting, subkey)
             for (group, shape), rows in zip(parts, missed, strict=True)
         ]
-        read(joined(rest))
+        vertex, off = read(joined(rest))
+        held[vertex[off <= within]] = True
     unread = np.zeros(count, bool)
     left = ~vouched(parts, held)
     for group in rings:

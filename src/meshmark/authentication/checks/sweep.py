@@ -31,13 +31,13 @@ from meshmark.coding.keys import Key
 from meshmark.geometry.blocks import blocks
 from meshmark.mesh import FloatArray
 
-__all__ = ["Sweep", "able_rings", "sweep", "vouched"]
+__all__ = ["NEAR", "ROUNDED", "Sweep", "able_rings", "sweep", "vouched"]
 
 # A point counts as covered only where its ring could have had a mark by this much.
 _MARGIN = 1.1
 # Where marks are so far off their whole places at the median, in steps, the file was rounded to few digits. Then
 # the next whole places are tried, too, of marks that are at least this far off.
-_ROUNDED, _NEAR = 0.03, 0.15
+ROUNDED, NEAR = 0.03, 0.15
 # Marks beside those that tell the id on which each likely one is tried.
 _SAMPLE = 600
 # One in this number of these tells most of the wrong ids: those that have less than half as many marks as the best
@@ -120,12 +120,12 @@ def sweep(
             return None
         read = read_marks(found, key, setting.layout, identity, payload)
     unread: Beside | None = None
-    rounded = bool(read.holds.any() and np.median(read.off[read.holds]) > _ROUNDED)
+    rounded = bool(read.holds.any() and np.median(read.off[read.holds]) > ROUNDED)
     if rounded:
         held[:] = False
         held[found.vertex[read.holds & ~read.new_boundary]] = True
         again = _around(parts, able & ~vouched(parts, held))
-        first, tries = len(found.vertex), beside(found, again[found.vertex], _NEAR)
+        first, tries = len(found.vertex), beside(found, again[found.vertex], NEAR)
         read = read_marks(found, key, setting.layout, identity, payload, more=tries)
         holds = read.holds & ~(read.new_boundary & (np.arange(len(read.holds)) >= first))
         # So many tries would make holes by chance.
