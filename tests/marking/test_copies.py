@@ -64,7 +64,8 @@ def test_copies_are_marked_as_one_and_read_from_the_file_and_from_what_bakes_the
         verdict = authenticate(mesh, KEY)
         assert (verdict.verdict, verdict.id, verdict.points_missing) == ("authentic", ID, 0)
     assert result.rms_over_diagonal <= 8e-4
-    assert extract(written, OTHER, search="plain").id is None
+    if formats:  # with another key all of the copies are looked at
+        assert extract(written, OTHER, search="plain").id is None
 
 
 def test_two_items_and_a_component_of_a_3mf_are_copies(tmp_path):
