@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshmark.coding.erasure.graph import Graph, mix, sizes
+from meshmark.coding.erasure.solver import AGREEING as AGREEING_SYMBOLS
 from meshmark.coding.erasure.solver import solve
 from meshmark.errors import CapacityError, InputError
 from meshmark.mesh import IntArray
@@ -107,9 +108,12 @@ def _message(indices: bytes, values: bytes, symbol_bits: int) -> bytes | None:
     data, held = index[~pilot], value[~pilot]
     for ladder in _likely_sizes(index[pilot], value[pilot], symbol_bits, len(data)):
         graph = Graph(int(sizes()[ladder]))
-        found = solve(graph, data, held, symbol_bits)
-        if found is not None and (message := _opened(found, symbol_bits)) is not None:
-            return message
+        for enough in (AGREEING_SYMBOLS, 1.0):
+            found = solve(graph, data, held, symbol_bits, enough)
+            if found is None:
+                break
+            if (message := _opened(found, symbol_bits)) is not None:
+                return message
     return None
 
 
