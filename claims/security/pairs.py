@@ -18,6 +18,7 @@ from scipy.stats import ks_2samp
 import meshmark as mm
 from claims.security.donors import Donor, donors, forged, learnt, measured
 from claims.security.options import KEY, Options
+from claims.security.point_phases import point_phases
 from claims.security.pose import Energy, Guess, energy_alone, energy_of_pair, guessed, off_by
 from claims.security.table import Figure
 from claims.security.uniformity import uniformity
@@ -49,7 +50,7 @@ def pairs(options: Options) -> list[Figure]:
     held = list(islice(donors(options, "models", "psb"), count + alone))
     print(f"{len(held)} models marked", flush=True)
     tries = FORGERIES if options.tries is None else options.tries
-    figures = [*_poses(held, count, options), _phases(held)]
+    figures = [*_poses(held, count, options), _phases(held), point_phases(options)]
     for row in figures:
         print(row, flush=True)
     figures += [forgeries(held, tries, options), xored(tries, options)]
@@ -237,7 +238,7 @@ def removals(held: list[Donor], count: int, options: Options) -> list[Figure]:
             ),
         }
         for name, field in fields.items():
-            needed = size_needed(target.marked, target.id, field, 3.2 * target.rms)
+            needed = size_needed(target.marked, target.id, field, 2.4 * target.rms, halvings=3)
             ratios[name].append(needed / target.rms)
         print(
             f"{target.name}: " + ", ".join(f"{name} {each[-1]:.2f}" for name, each in ratios.items()),

@@ -36,6 +36,8 @@ class Uniformity:
 def uniformity(turns: FloatArray) -> Uniformity:
     """Test phases (n,), in turns, modulo 1."""
     within = np.mod(turns, 1.0)
+    if not len(within):
+        return Uniformity(rayleigh=1.0, kolmogorov=1.0, towards=0.0, count=0)
     angles = 2.0 * np.pi * within
     return Uniformity(
         rayleigh=_rayleigh(angles),

@@ -17,6 +17,7 @@ from claims.security.donors import Donor, forged, learnt
 from claims.security.features import calibrated_features, plain_features
 from claims.security.options import KEY, Options
 from claims.security.pairs import phase_errors, pose_errors
+from claims.security.point_phases import Cubes, cubes_of, errors_in_cubes
 from claims.security.pose import energy_alone, energy_of_pair
 from claims.security.table import Figure, table
 from claims.security.uniformity import uniformity
@@ -26,6 +27,8 @@ from meshmark.geometry.surface_of import surface_of
 from meshmark.mesh import Mesh
 from meshmark.ownership.carriers.lattice import Lattice
 from meshmark.ownership.carriers.lattice_label import Label
+from meshmark.ownership.embedding import embed
+from meshmark.ownership.points.point_lattice import PointLattice
 from tests.counting import some
 from tests.shapes import pebble
 
@@ -91,6 +94,20 @@ def test_phases_of_one_label_predict_each_other_and_of_two_do_not(donor):
     errors = phase_errors(donor, [other])
     assert len(errors) > 20
     assert uniformity(errors).holds()
+
+
+def test_phases_of_points_are_those_of_their_cubes_and_of_no_other_label():
+    made = embed(Mesh(*pebble(20)), KEY, id=3)
+    assert made.mark.at_points
+    own = cubes_of(made.mesh, made.mark)
+
+    def predicted(label: Label) -> Cubes:
+        return Cubes(names=own.names, turns=PointLattice.keyed(KEY, label).keys(own.names).dither)
+
+    errors = errors_in_cubes(own, predicted(made.mark.label))
+    assert uniformity(errors).towards > 0.8
+    assert uniformity(errors_in_cubes(own, predicted(Label(bytes(16))))).holds()
+    assert len(errors) > 100
 
 
 def test_the_energy_of_a_pair_is_strongest_along_its_lattice():
