@@ -5,6 +5,7 @@
 
 NAME is one of these.
 pairs         20 originals with their marked copies and 50 marked models of a key: pose, phases, forgeries, removal
+steering      a model warped until it has the label of a donor, whose mark is then forged on it
 collusion     averages, medians, minima and maxima of 2, 3 and 5 copies
 oracle        who may ask for the default JSON as often as he likes: removal, and the pose
 forgeries     authentication marks forged without the key, in files of each tolerance, and of small models
@@ -29,7 +30,7 @@ from claims.security.table import table
 
 __all__ = ["ATTACKS", "main"]
 
-ATTACKS = ("pairs", "collusion", "oracle", "forgeries", "steganalysis")
+ATTACKS = ("pairs", "steering", "collusion", "oracle", "forgeries", "steganalysis")
 """Each a module of its name with a function of its name, (Options) -> list of `Figure`."""
 
 

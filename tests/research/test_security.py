@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-import meshmark as mm
 from claims.security import __main__ as program
 from claims.security import collusion, forgeries, oracle, pose, steganalysis
 from claims.security.donors import Donor, forged, learnt
@@ -19,6 +18,7 @@ from claims.security.options import KEY, Options
 from claims.security.pairs import phase_errors, pose_errors
 from claims.security.point_phases import Cubes, cubes_of, errors_in_cubes
 from claims.security.pose import energy_alone, energy_of_pair
+from claims.security.steering import forged_on, warped
 from claims.security.table import Figure, table
 from claims.security.uniformity import uniformity
 from claims.security.washing import bumps_at, moved_along, random_field, size_needed
@@ -28,6 +28,7 @@ from meshmark.mesh import Mesh
 from meshmark.ownership.carriers.lattice import Lattice
 from meshmark.ownership.carriers.lattice_label import Label
 from meshmark.ownership.embedding import embed
+from meshmark.ownership.extraction import extract
 from meshmark.ownership.points.point_lattice import PointLattice
 from tests.counting import some
 from tests.shapes import pebble
@@ -81,11 +82,13 @@ def test_uniform_phases_pass_and_others_do_not():
     assert uniformity(np.zeros(9)).towards == 1.0
 
 
-def test_a_mark_is_forged_where_the_lattice_is_the_same_and_only_there(donor):
-    own = forged(donor.original, learnt(donor), donor.mark.step)
-    assert mm.extract(own, KEY, search="plain").ids == (donor.id,)
-    other = forged(shape(1.15), learnt(donor), donor.mark.step)
-    assert mm.extract(other, KEY, search="plain").presence == "absent"
+def test_a_mark_is_forged_on_what_was_warped_to_its_label_and_on_nothing_else(donor):
+    near = warped(donor.original, 0.01, np.random.default_rng(1))
+    made, suspect = forged_on(near, donor)
+    assert made.off < 0.03
+    assert extract(suspect, KEY, search="plain").ids == (donor.id,)
+    plain = forged(shape(1.15), learnt(donor), donor.mark.step)
+    assert extract(plain, KEY, search="plain").presence == "absent"
 
 
 def test_phases_of_one_label_predict_each_other_and_of_two_do_not(donor):
