@@ -26,12 +26,12 @@ from collections.abc import Sequence
 from time import monotonic
 
 from claims.security.options import Options
-from claims.security.table import table
+from claims.security.table import Figure, table
 
 __all__ = ["ATTACKS", "main"]
 
 ATTACKS = ("pairs", "steering", "collusion", "oracle", "forgeries", "steganalysis")
-"""Each a module of its name with a function of its name, (Options) -> list of `Figure`."""
+"""Each a module of its name with a function of its name, (Options) -> some `Figure`."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -58,7 +58,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         end=monotonic() + 60.0 * chosen.minutes,
     )
     attack = getattr(importlib.import_module(f"claims.security.{chosen.name}"), chosen.name)
-    figures = attack(options)
+    figures: list[Figure] = []
+    for figure in attack(options):
+        print(figure, flush=True)
+        figures.append(figure)
     print(table(figures))
     return int(any(row.met is False for row in figures))
 

@@ -12,6 +12,7 @@ from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import islice, zip_longest
 from time import monotonic
 from zlib import crc32
 
@@ -79,26 +80,23 @@ class Counted:
 
 
 def forgeries(options: Options) -> list[Figure]:
-    """Return how many forgeries of each kind are accepted, by setting."""
+    """Return how many forgeries of each kind are accepted, by setting: a model of each in turn."""
     tries = TRIES if options.tries is None else options.tries
-    counted: list[Counted] = []
-    for setting in SETTINGS:
-        done = 0
-        for subject in _subjects(options, setting):
-            try:
-                rows = list(measured(subject, setting, tries, options.end))
-            except MeshmarkError as error:
-                print(f"{setting}, {subject.name}: {error}", flush=True)
-                continue
-            counted += rows
-            done += 1
-            said = ", ".join(f"{each.kind} {each.accepted} of {each.tries}" for each in rows if each.accepted)
-            print(
-                f"{setting}, {subject.name}: {sum(each.tries for each in rows):,} tries; {said}", flush=True
-            )
-            if done == options.count(MODELS):
-                break
-    return _figures(counted)
+    rounds = [islice(_models(options, setting, tries), options.count(MODELS)) for setting in SETTINGS]
+    return _figures([row for done in zip_longest(*rounds, fillvalue=[]) for rows in done for row in rows])
+
+
+def _models(options: Options, setting: str, tries: int) -> Iterator[list[Counted]]:
+    """Yield what was counted on each model, until the time is over."""
+    for subject in _subjects(options, setting):
+        try:
+            rows = list(measured(subject, setting, tries, options.end))
+        except MeshmarkError as error:
+            print(f"{setting}, {subject.name}: {error}", flush=True)
+            continue
+        said = ", ".join(f"{each.kind} {each.accepted} of {each.tries}" for each in rows if each.accepted)
+        print(f"{setting}, {subject.name}: {sum(each.tries for each in rows):,} tries; {said}", flush=True)
+        yield rows
 
 
 def _subjects(options: Options, setting: str) -> Iterator[Subject]:

@@ -9,6 +9,7 @@ expects.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from itertools import combinations, islice
 from time import monotonic
 
@@ -44,18 +45,18 @@ REMOVED = 8
 WHOLE = 10
 
 
-def pairs(options: Options) -> list[Figure]:
-    """Return the figures of all that is tried."""
+def pairs(options: Options) -> Iterator[Figure]:
+    """Yield the figures of all that is tried."""
     count, alone = options.count(PAIRS), round(ALONE / PAIRS * options.count(PAIRS))
     held = list(islice(donors(options, "models", "psb"), count + alone))
     print(f"{len(held)} models marked", flush=True)
     tries = FORGERIES if options.tries is None else options.tries
-    figures = [*_poses(held, count, options), _phases(held), point_phases(options)]
-    for row in figures:
-        print(row, flush=True)
-    figures += [forgeries(held, tries, options), xored(tries, options)]
-    figures += removals(held, count, options)
-    return figures
+    yield from _poses(held, count, options)
+    yield _phases(held)
+    yield point_phases(options)
+    yield forgeries(held, tries, options)
+    yield xored(tries, options)
+    yield from removals(held, count, options)
 
 
 def pose_errors(

@@ -77,7 +77,6 @@ def steganalysis(options: Options) -> list[Figure]:
                     met=found <= bar if is_held else None,
                 )
             )
-            print(figures[-1], flush=True)
     return figures
 
 

@@ -18,6 +18,9 @@ class Figure:
     bar: str = ""
     met: bool | None = None
 
+    def __str__(self) -> str:
+        return f"{self.name}: {self.measured} ({self.of})"
+
 
 def table(figures: Sequence[Figure]) -> str:
     """Return the rows as Markdown."""
