@@ -3,7 +3,8 @@
 The kinds of forgery are those of `claims.authentication.forging`: edited parts with marks guessed, made with
 another key, or replayed from another place or another model; single rings replayed with their mark; lone marks
 guessed. In a file that was rounded to a grid of 14 bits up to four altered points that hang together pass by
-design: there every try is judged by `authenticate`, and fewer are made.
+design: there every try is judged by `authenticate`, and fewer are made. An authentic try is a forgery where it moves
+a point that a mark watches by a step of the marks; others are counted apart.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from claims.security.table import Figure
 from meshmark.attacks import ATTACKS
 from meshmark.errors import MeshmarkError
 from meshmark.marking import Embedding
+from meshmark.mesh import FloatArray
 
 __all__ = ["SETTINGS", "Counted", "forgeries", "measured"]
 
@@ -54,7 +56,22 @@ class Tolerant(Subject):
         return replace(made, mesh=ATTACKS["quantisation"](made.mesh, self.bits, self.rng("grid")))
 
 
-class Unscreened(Forger):
+class Watching(Forger):
+    """A forger of what is watched; harmless: authentic tries that moved no point beside a mark by a step."""
+
+    harmless = 0
+
+    def authentic(self, points: FloatArray) -> bool:
+        """Return whether the model with these points (p, 3) is authentic though one of them was moved."""
+        if not super().authentic(points):
+            return False
+        moved = np.linalg.norm(points - self.surface.points, axis=1)[self.vouching.sure]
+        is_forged = bool((moved > self.vouching.typical_step).any())
+        self.harmless += not is_forged
+        return is_forged
+
+
+class Unscreened(Watching):
     """A forger whose every try is judged by `authenticate`: some pass without a voucher for each point."""
 
     def accepted(self, change: Try, count: int, rng: np.random.Generator) -> int:
@@ -70,12 +87,13 @@ class Unscreened(Forger):
 
 @dataclass(frozen=True, kw_only=True)
 class Counted:
-    """Forgeries of one kind on one model, and how many of them are authentic."""
+    """Forgeries of one kind on one model, how many of them are authentic, and how many moved nothing watched."""
 
     setting: str
     kind: str
     model: str
     accepted: int
+    harmless: int
     tries: int
 
 
@@ -114,13 +132,21 @@ def _subjects(options: Options, setting: str) -> Iterator[Subject]:
 def measured(subject: Subject, setting: str, tries: int, end: float = float("inf")) -> Iterator[Counted]:
     """Yield how many of so many tries of each kind are accepted, until the time is over."""
     rounded = setting == ROUNDED
-    forger = Unscreened(subject) if rounded else Forger(subject)
+    forger = Unscreened(subject) if rounded else Watching(subject)
     tries = max(tries // FEWER, 1) if rounded else tries
     for kind, change in (forger.parts | forger.lone).items():
         if monotonic() > end:
             return
+        forger.harmless = 0
         accepted = forger.accepted(change, tries, subject.rng(kind))
-        yield Counted(setting=setting, kind=kind, model=subject.name, accepted=accepted, tries=tries)
+        yield Counted(
+            setting=setting,
+            kind=kind,
+            model=subject.name,
+            accepted=accepted,
+            harmless=forger.harmless,
+            tries=tries,
+        )
 
 
 def _figures(counted: list[Counted]) -> list[Figure]:
@@ -130,7 +156,7 @@ def _figures(counted: list[Counted]) -> list[Figure]:
     return [
         Figure(
             name=f"{setting}: {kind}",
-            measured=f"{sum(each.accepted for each in own)}",
+            measured=f"{sum(each.accepted for each in own)} ({sum(each.harmless for each in own)} harmless)",
             of=f"{sum(each.tries for each in own):,} on {len(own)} models",
             bar="0",
             met=not any(each.accepted for each in own),

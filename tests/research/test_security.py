@@ -192,18 +192,28 @@ def test_evidence_of_the_true_pose_shows(climber, donor):
 def test_forgeries_that_are_accepted_miss_the_bar(monkeypatch):
     class Lax:
         def __init__(self, subject: object) -> None:
-            self.parts, self.lone = {"a part": None}, {"a mark": None}
+            self.parts, self.lone, self.harmless = {"a part": None}, {"a mark": None}, 0
 
         def accepted(self, change: object, count: int, rng: object) -> int:
             return count // 5
 
-    monkeypatch.setattr(forgeries, "Forger", Lax)
+    monkeypatch.setattr(forgeries, "Watching", Lax)
     subject = SimpleNamespace(name="pebble", rng=lambda kind: None)
     rows = list(forgeries.measured(subject, "web", 10))
     assert [(row.accepted, row.tries) for row in rows] == [(2, 10), (2, 10)]
     assert [row.met for row in some(forgeries._figures(rows))] == [False, False]
     none = [replace(row, accepted=0) for row in rows]
     assert all(row.met for row in some(forgeries._figures(none)))
+
+
+def test_what_moves_nothing_that_is_watched_is_no_forgery(monkeypatch):
+    forger = object.__new__(forgeries.Watching)
+    forger.surface = SimpleNamespace(points=np.zeros((3, 3)))
+    forger.vouching = SimpleNamespace(sure=np.array([True, True, False]), typical_step=0.1)
+    monkeypatch.setattr(forgeries.Forger, "authentic", lambda self, points: bool((points < 9.0).all()))
+    moved = [0.3 * np.eye(3), 0.3 * np.eye(3)[[2, 2, 0]], np.diag([0.05, 0.05, 0.3]), 9.0 * np.eye(3)]
+    assert [forger.authentic(each) for each in moved] == [True, True, False, False]
+    assert forger.harmless == 1
 
 
 @pytest.mark.parametrize("judge", [steganalysis.judged_by_regression, steganalysis.judged_by_kernel])
