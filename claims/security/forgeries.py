@@ -3,8 +3,8 @@
 The kinds of forgery are those of `claims.authentication.forging`: edited parts with marks guessed, made with
 another key, or replayed from another place or another model; single rings replayed with their mark; lone marks
 guessed. In a file that was rounded to a grid of 14 bits up to four altered points that hang together pass by
-design: there every try is judged by `authenticate`, and fewer are made. An authentic try is a forgery where it moves
-a point that a mark watches by a step of the marks; others are counted apart.
+design: there every try is judged by `authenticate`, and fewer are made. An authentic try is a forgery where it
+moves a point that a mark watches by a step of the marks; others are counted apart.
 """
 
 from __future__ import annotations

@@ -213,8 +213,8 @@ def xored(tries: int, options: Options) -> Figure:
         name="three copies added up to an innocent id: that id read; any other than theirs",
         measured=f"{framed}; {anyone}",
         of=f"{done} forgeries",
-        bar="0 of that id",
-        met=framed == 0,
+        bar="0; 0",
+        met=framed + anyone == 0,
     )
 
 
