@@ -50,6 +50,7 @@ COMMANDS = {
     "roundtrip": "docs/decisions/0016-odd-files.md",
     "saliency_speed": "docs/claims.md",
     "same_behaviour": "docs/decisions/0018-layout.md",
+    "security": "docs/results/security.md",
     "serve_fuzz": "docs/serve.md",
     "serve_load": "docs/serve.md",
     "sizing": "docs/sizing.md",
@@ -60,7 +61,7 @@ COMMANDS = {
 ALONE = {
     "authenticate_speed", "batch_runs", "by_hand", "coarse", "compressed_gltf", "costa", "crops_and_mosaics",
     "false_alarms", "hostile", "lattice_labels", "original_recovery", "performance", "princeton", "published",
-    "registration", "rivals_sanity", "same_behaviour", "sizing", "web_exports",
+    "registration", "rivals_sanity", "same_behaviour", "security", "sizing", "web_exports",
 }  # fmt: skip
 
 
