@@ -3,7 +3,8 @@
 Draco codes triangles and points along a walk over the surface, which takes far less than their own order does, and
 gives them back in the order of that walk. So the place of each point in the original is an attribute of its own;
 the faces need none, since they are kept sorted. Points are whole numbers of steps of a grid, which Draco keeps as
-they are; before its stream stand the lowest corner and the step, as 32-bit floats.
+they are; before its stream stand the lowest corner and the step, as 32-bit floats. Of colours green is kept, and
+how far red and blue are from it, modulo 256: what is grey takes next to nothing.
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ def packed(points: Points, faces: Faces, colours: Colours, step: float) -> bytes
         np.rint((points - low) / step).astype(np.uint32),
         faces.astype(np.uint32),
         compression_level=_SMALLEST,
-        colors=colours,
+        colors=_apart(colours, 1),
         generic_attributes={_ORDER: np.arange(len(points), dtype=np.uint32)[:, None]},
     )
     content: bytes = np.array([*low, step], "<f4").tobytes() + stream
@@ -55,7 +56,14 @@ def unpacked(content: bytes) -> tuple[Points, Faces, Colours]:
     order = mesh.get_attribute_by_name(_ORDER)["data"].ravel()
     back = np.argsort(order)
     points = (np.array(low) + step * mesh.points[back]).astype(np.float32)
-    return points, sorted_faces(order[mesh.faces].astype(np.int32)), mesh.colors[back]
+    return points, sorted_faces(order[mesh.faces].astype(np.int32)), _apart(mesh.colors[back], -1)
+
+
+def _apart(colours: Colours, sign: int) -> Colours:
+    """Return colours (n, 3) with green taken from red and blue, or put back with the sign -1."""
+    whole = colours.astype(np.int64)
+    whole[:, [0, 2]] -= sign * whole[:, 1:2]
+    return (whole % 256).astype(np.uint8)
 
 
 def sorted_faces(faces: Faces) -> Faces:
