@@ -12,6 +12,7 @@ from meshmark.coding.message import requested_id
 from meshmark.errors import CapacityError, InputError
 from meshmark.geometry.surface_of import surface_of_moved
 from meshmark.mesh import Mesh
+from meshmark.ownership.assembly_parts import assembly_parts
 from meshmark.ownership.embedding_in_cells import embed_in_cells
 from meshmark.ownership.embedding_task import EmbeddingTask, Owned
 from meshmark.ownership.extraction import find
@@ -88,7 +89,12 @@ def embed(
         strength=strength,
         rms=sqrt(budget**2 - reserve**2),
     )
-    return _marked(task)
+    parts = assembly_parts(task.surface)
+    if not parts:
+        return _marked(task)
+    from meshmark.ownership.embedding_in_parts import embed_in_parts, with_parts_apart
+
+    return embed_in_parts(task, _marked(with_parts_apart(task, parts)), parts)
 
 
 def _marked(task: EmbeddingTask) -> Owned:

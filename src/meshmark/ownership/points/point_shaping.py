@@ -18,7 +18,8 @@ from meshmark.ownership.points.balance import balanced
 from meshmark.ownership.points.carried_coordinates import Carried
 from meshmark.ownership.points.coordinates import held
 from meshmark.ownership.points.frame_moments import MOMENTS, frame_moments
-from meshmark.ownership.points.parameters import LIFTED, MOMENTS_APART, SLIDING
+from meshmark.ownership.points.moments_apart import moments_apart, stretched
+from meshmark.ownership.points.parameters import LIFTED, SLIDING
 from meshmark.ownership.points.point_choice import Choice
 from meshmark.ownership.points.point_lattice import PointKeys, PointLattice
 from meshmark.ownership.points.targets import Quantiser, nearest_places
@@ -46,24 +47,31 @@ class PointShaping:
     """A surface whose points are to carry bits.
 
     surface: to be marked. lattice: of its label. bits: of the id's word. largest: displacement of a point at most,
-    over the diagonal; budget: RMS displacement, over the diagonal.
+    over the diagonal; budget: RMS displacement, over the diagonal. still: (p,) points that stay where they are; none
+    where it is left out.
     """
 
     def __init__(
-        self, surface: Surface, lattice: PointLattice, bits: Bits, *, largest: float, budget: float
+        self,
+        surface: Surface,
+        lattice: PointLattice,
+        bits: Bits,
+        *,
+        largest: float,
+        budget: float,
+        still: NDArray[np.bool_] | None = None,
     ) -> None:
         self._surface, self._lattice, self._bits = surface, lattice, bits
+        self._still = np.zeros(len(surface.points), bool) if still is None else still
         self._frame = surface.frame
         self._start = Carried.of(surface, self._frame)
         self._points = self._frame.to_canonical(surface.points)
         self._largest = largest * surface.diagonal / self._frame.scale
-        # Stretching by this much moves points by a part of the budget, whatever the model's proportions.
-        widths = np.sqrt(0.5 * (self._frame.moments[:-1] + self._frame.moments[1:]))
-        bearable = MOMENTS_APART[1] * budget * surface.diagonal / self._frame.scale * widths
-        moments = _apart(self._frame.moments, np.minimum(MOMENTS_APART[0], bearable))
+        moments = moments_apart(self._frame, budget * surface.diagonal / self._frame.scale)
         self._goal = np.concatenate([np.zeros(3), moments, np.zeros(3)])
         # Stretching the whole keeps planes plane; what it leaves of the moments, some points make up for.
-        self._stretched = self._points * np.sqrt(moments / np.maximum(self._frame.moments, 1e-12))
+        self._stretched = stretched(self._points, self._frame, moments)
+        self._stretched[self._still] = self._points[self._still]
 
     @cached_property
     def _joints(self) -> csr_array:
@@ -102,7 +110,7 @@ class PointShaping:
         surface, start, joints = self._surface, self._stretched, self._joints
         before = _normals(start, surface.faces)
         quantiser = Quantiser(lattice=self._lattice, bits=self._bits, step=choice.step)
-        frozen = (joints.diagonal() != 1.0) | (np.diff(joints.indptr) != 1)
+        frozen = (joints.diagonal() != 1.0) | (np.diff(joints.indptr) != 1) | self._still
         yields = np.minimum(self._start.stars.height / self._largest, 1.0) ** 2
         points, motion = start, np.zeros_like(start)
         for number in range(PASSES + FURTHER):
@@ -186,17 +194,6 @@ def _touched(joints: csr_array, points: IntArray, count: int) -> NDArray[np.bool
     touched[points] = True
     touched[joints[points].indices] = True
     return touched
-
-
-def _apart(moments: FloatArray, gaps: FloatArray) -> FloatArray:
-    """Return falling second moments (3,), of the same sum, that are these gaps (2,) apart."""
-    moments = moments.copy()
-    for _ in range(20):
-        for i in range(2):
-            short = max(float(gaps[i] - (moments[i] - moments[i + 1])), 0.0)
-            moments[i] += short / 2.0
-            moments[i + 1] -= short / 2.0
-    return np.asarray(moments / moments.sum())
 
 
 def _normals(points: FloatArray, faces: IntArray) -> FloatArray:

@@ -1,0 +1,184 @@
+"""The id once more in each large part of a marked assembly, in its points, so that a part taken out still tells it.
+
+The mark of the whole stays as it is: points slide along the surface, which the cells of the whole do not see, and
+where the whole is marked at points, by steps that are small beside those of the whole, or few of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import islice, product
+from math import inf, sqrt
+
+import numpy as np
+
+from meshmark.geometry.surface import Surface
+from meshmark.geometry.surface_of import surface_of, surface_of_moved
+from meshmark.mesh import FloatArray, Mesh
+from meshmark.ownership.assembly_parts import AssemblyPart, parts_held_apart
+from meshmark.ownership.carriers.lattice_label import Label
+from meshmark.ownership.embedding_task import EmbeddingTask, Owned
+from meshmark.ownership.extraction import find
+from meshmark.ownership.ownership_mark import OwnershipMark, noise_borne
+from meshmark.ownership.points.parameters import DISTINCT_BITS, LARGEST, SHARES, STEPS
+from meshmark.ownership.points.point_choice import Choice
+from meshmark.ownership.points.point_lattice import PointLattice
+from meshmark.ownership.points.point_shaping import PointShaping
+from meshmark.ownership.search.search import Search
+from meshmark.ownership.vertex_displacement import displacement_rms
+
+__all__ = ["embed_in_parts", "with_parts_apart"]
+
+# Share of the budget that the mark of a part may move its points by, RMS, and of the largest displacement.
+PART_BUDGET, PART_LARGEST = 0.15, 0.3
+# Choices that are tried for each part, and of the modes of `points.parameters.MODES` how much each is worth.
+TRIES, WORTH = 2, (1.0, 0.9, 0.75)
+# Code bits that a part has at least beyond those that an id takes.
+MORE_BITS = 30
+# A part's mark counts where its bound is below 10^this: as a part it pays for further trials.
+SURE = -9.0
+# How much of the lock of a mark at points of the whole the marks of the parts may cost by their steps, about, tried
+# in turn; and how much of any lock must be left in fact.
+COSTS, LEFT = (0.08, 0.03), 0.92
+# A motion along a carrying coordinate by a step as large as its own costs this times the lock.
+COST_OF_STEP = 5.0
+# What parts may add to the visible share, over that which is allowed.
+SEEN_MORE = 0.1
+
+
+def with_parts_apart(task: EmbeddingTask, parts: Sequence[AssemblyPart]) -> EmbeddingTask:
+    """Return the task with round parts stretched, so that marks on their own frames are found again."""
+    surface = task.surface
+    points = parts_held_apart(surface.points, tuple(parts), PART_BUDGET * task.budget)
+    if points is surface.points:
+        return task
+    mesh = task.moved(points)
+    used = displacement_rms(task.mesh, mesh) / task.diagonal
+    return replace(task, mesh=mesh, rms=sqrt(max(task.rms**2 - used**2, 0.0)))
+
+
+def embed_in_parts(task: EmbeddingTask, owned: Owned, parts: Sequence[AssemblyPart]) -> Owned:
+    """Return a marked mesh with the id in those of its parts that can carry it, where that costs the whole little.
+
+    Parameters
+    ----------
+    task : EmbeddingTask
+        Of the unmarked mesh.
+    owned : Owned
+        The mark of the whole.
+    parts : sequence of AssemblyPart
+        Of the surface of the unmarked mesh.
+    """
+    before = _lock(task, owned)
+    seen = task.seen.of(_points(task, owned.mesh)).share
+    for cost in COSTS if owned.mark.at_points else COSTS[:1]:
+        made, count = _marked(task, owned, parts, cost)
+        if not count:
+            continue
+        more = task.seen.of(_points(task, made.mesh)).share
+        if (
+            _lock(task, made) >= LEFT * before
+            and more <= max(task.share, seen) + SEEN_MORE * task.share
+            and displacement_rms(task.mesh, made.mesh) <= task.budget
+            and (task.keeps_planes(made.mesh) or not task.keeps_planes(owned.mesh))
+        ):
+            return made
+    return owned
+
+
+def _points(task: EmbeddingTask, mesh: Mesh) -> FloatArray:
+    return mesh.vertices[task.surface.vertex_of_point]
+
+
+def _lock(task: EmbeddingTask, owned: Owned) -> float:
+    """Return the mean cosine of the phases of the mark of the whole, 0 where it is not read."""
+    search = Search(
+        surface=surface_of_moved(owned.mesh, task.mesh),
+        key=task.key,
+        effort="plain",
+        spacings=() if owned.mark.at_points else (owned.mark.spacing,),
+    )
+    found = find(search)
+    if found.id != task.identity or found.reading is None:
+        return 0.0
+    return found.reading.score / float(found.reading.keys.weight.sum())
+
+
+def _marked(
+    task: EmbeddingTask, owned: Owned, parts: Sequence[AssemblyPart], cost: float
+) -> tuple[Owned, int]:
+    """Return the mesh with the id in as many parts as carry it, and their number."""
+    points = _points(task, owned.mesh)
+    step = owned.mark.step * owned.mark.spacing * task.surface.frame.scale if owned.mark.at_points else inf
+    count = 0
+    for part in parts:
+        own = _in_part(task, points, part, _Limits(step=step, cost=cost))
+        if own is not None:
+            points = points.copy()
+            points[part.rows] = own
+            count += 1
+    return replace(owned, mesh=task.moved(points)), count
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Limits:
+    """Of what a part may cost the whole. step: of the mark of the whole at points, scene units; infinite in cells."""
+
+    step: float
+    cost: float
+
+    def allow(self, choice: Choice, scale: float) -> bool:
+        """Return whether a choice for a part of this canonical scale costs no more of the lock than it may."""
+        return choice.share * min(1.0, COST_OF_STEP * (choice.step * scale / self.step) ** 2) <= self.cost
+
+
+def _in_part(
+    task: EmbeddingTask, points: FloatArray, part: AssemblyPart, limits: _Limits
+) -> FloatArray | None:
+    """Return the marked points (k, 3) of a part of a surface with these points (p, 3), None where it cannot be."""
+    surface = part.surface(points)
+    if surface is None:
+        return None
+    lattice = PointLattice.keyed(task.key, Label.of_shape(surface.invariants, task.key))
+    shaping = PointShaping(
+        surface,
+        lattice,
+        task.word,
+        largest=PART_LARGEST * LARGEST[task.strength] * task.diagonal / surface.diagonal,
+        budget=PART_BUDGET * task.budget / surface.diagonal,
+        still=part.still,
+    )
+    for choice in islice(_choices(task, shaping, surface, limits), TRIES):
+        moved = shaping.shaped(choice)
+        if moved is not None and _is_read(task, points, part, moved):
+            return moved
+    return None
+
+
+def _choices(
+    task: EmbeddingTask, shaping: PointShaping, surface: Surface, limits: _Limits
+) -> Iterator[Choice]:
+    """Yield the choices for a part that bear most noise, of those that the whole allows."""
+    found = []
+    for step, mode, share in product(STEPS, range(len(WORTH)), SHARES):
+        choice = Choice(step=float(step), mode=mode, share=share)
+        if not limits.allow(choice, surface.frame.scale):
+            continue
+        count, rms = shaping.expected(choice)
+        if (
+            count >= DISTINCT_BITS[task.bits] + MORE_BITS
+            and rms * surface.diagonal <= PART_BUDGET * task.budget
+        ):
+            found.append((WORTH[mode] * noise_borne(choice.step, count, task.bits), choice))
+    found.sort(key=lambda entry: -entry[0])
+    yield from (choice for _, choice in found)
+
+
+def _is_read(task: EmbeddingTask, points: FloatArray, part: AssemblyPart, moved: FloatArray) -> bool:
+    """Return whether the id is read from a part as the file holds it, its points (k, 3) moved."""
+    whole = points.copy()
+    whole[part.rows] = moved
+    surface = surface_of(Mesh(_points(task, task.moved(whole))[part.rows], part.faces))
+    found = find(Search(surface=surface, key=task.key, effort="plain", spacings=()))
+    return found.id == task.identity and found.log10_false_positive <= SURE
