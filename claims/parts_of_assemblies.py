@@ -3,11 +3,12 @@
 python -m claims.parts_of_assemblies ROWS.csv [--split test] [--limit N] [--minutes M] [--least 300] [--layers both]
                                      [--tables]
 
-Models of the benchmark and of the collection with several connected components, one at least of `--least` welded points,
-are marked with a key of their own, with the default options or with `--layers ownership`. Of the components of that size
-up to `MOST` of each model, a seeded choice, are taken out, one by one: only their faces are kept, turned, scaled, in
-another order, as 32-bit floats. A row is written as soon as a model is done; run it again to continue an interrupted
-run. At the end, or at once with --tables, shares of exact ids are printed by the size of the part.
+Models of the benchmark and of the collection with several connected components, one at least of `--least` welded
+points, are marked with a key of their own, with the default options or with `--layers ownership`. Of the components
+of that size up to `MOST` of each model, a seeded choice, are taken out, one by one: only their faces are kept,
+turned, scaled, in another order, as 32-bit floats. A row is written as soon as a model is done; run it again to
+continue an interrupted run. At the end, or at once with --tables, shares of exact ids are printed by the size of
+the part.
 
 Figures of docs/decisions/0035-parts-of-assemblies.md.
 """
@@ -125,15 +126,18 @@ def table(rows: Sequence[dict[str, str]]) -> str:
             lines.append(f"| {title} | {len(said)} | {ids} ({ids / len(said):.0%}) | {said.count('wrong')} |")
     silent = [row[name] for row in marked for name in ("others", "wrong_key")]
     refused = sum(row["outcome"].startswith("refused") for row in rows)
+    whole = sum(row["whole"] == "id" for row in marked)
+    present = sum(each not in ("absent", "inconclusive") for each in silent)
+    seconds = (
+        f"{name.split('_')[0]} {sum(float(row[name]) for row in marked):.1f}"
+        for name in ("embed_seconds", "extract_seconds", "absent_seconds")
+    )
     lines += [
         "",
-        f"{len(marked)} models, {refused} refused; read whole {sum(row['whole'] == 'id' for row in marked)}; present "
-        f"under another key {sum(each not in ('absent', 'inconclusive') for each in silent)} of {len(silent)}.",
-        "Seconds, sum: " + ", ".join(
-            f"{name.split('_')[0]} {sum(float(row[name]) for row in marked):.1f}"
-            for name in ("embed_seconds", "extract_seconds", "absent_seconds")
-        ) + ".",
-    ]  # fmt: skip
+        f"{len(marked)} models, {refused} refused; read whole {whole}; present under another key {present} of "
+        f"{len(silent)}.",
+        f"Seconds, sum: {', '.join(seconds)}.",
+    ]
     return "\n".join(lines)
 
 

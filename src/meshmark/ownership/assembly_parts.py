@@ -18,7 +18,7 @@ from meshmark.ownership.points.parameters import MOST_POINTS
 __all__ = ["LEAST_POINTS", "MOST_PARTS", "AssemblyPart", "assembly_parts", "parts_held_apart"]
 
 # Components of at least this many points are marked and read on their own, the largest first; and at most how many.
-LEAST_POINTS, MOST_PARTS = 300, 16
+LEAST_POINTS, MOST_PARTS = 300, 32
 # A part whose moments agree better than they should by this is stretched: rounding and marks change less.
 CLOSER = 1e-5
 

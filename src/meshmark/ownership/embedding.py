@@ -50,7 +50,8 @@ def embed(
 
     The cells of the surface carry it, those that leave planes plane if they are enough, or, where they cannot, as
     on coarse models, its points. Of a few steps, from the one that bears most noise within the budget down, the
-    first is taken whose mark, rounded to what the file can hold, is read back blind.
+    first is taken whose mark, rounded to what the file can hold, is read back blind. Large connected components
+    carry it in their points as well, on frames of their own, where the mark of the whole bears that.
 
     Parameters
     ----------
@@ -94,7 +95,14 @@ def embed(
         return _marked(task)
     from meshmark.ownership.embedding_in_parts import embed_in_parts, with_parts_apart
 
-    return embed_in_parts(task, _marked(with_parts_apart(task, parts)), parts)
+    apart = with_parts_apart(task, parts)
+    try:
+        owned = _marked(apart)
+    except CapacityError:
+        if apart is task:
+            raise
+        owned = _marked(task)
+    return embed_in_parts(task, owned, parts)
 
 
 def _marked(task: EmbeddingTask) -> Owned:

@@ -1,7 +1,8 @@
 """The id once more in each large part of a marked assembly, in its points, so that a part taken out still tells it.
 
-The mark of the whole stays as it is: points slide along the surface, which the cells of the whole do not see, and
-where the whole is marked at points, by steps that are small beside those of the whole, or few of them.
+The mark of the whole stays as it is: points slide along the surface, which its cells do not see. Where the whole is
+marked at points, those that carry its bits stay where they are, and the others carry those of the part; where that
+is too little, all do, by steps that are small beside those of the whole.
 """
 
 from __future__ import annotations
@@ -12,32 +13,36 @@ from itertools import islice, product
 from math import inf, sqrt
 
 import numpy as np
+from numpy.typing import NDArray
 
+from meshmark.coding.keys import Key
 from meshmark.geometry.surface import Surface
-from meshmark.geometry.surface_of import surface_of, surface_of_moved
+from meshmark.geometry.surface_of import surface_of_moved
 from meshmark.mesh import FloatArray, Mesh
 from meshmark.ownership.assembly_parts import AssemblyPart, parts_held_apart
 from meshmark.ownership.carriers.lattice_label import Label
 from meshmark.ownership.embedding_task import EmbeddingTask, Owned
 from meshmark.ownership.extraction import find
-from meshmark.ownership.ownership_mark import OwnershipMark, noise_borne
+from meshmark.ownership.ownership_mark import noise_borne
+from meshmark.ownership.points.carried_coordinates import Carried
 from meshmark.ownership.points.parameters import DISTINCT_BITS, LARGEST, SHARES, STEPS
 from meshmark.ownership.points.point_choice import Choice
 from meshmark.ownership.points.point_lattice import PointLattice
+from meshmark.ownership.points.point_reading import Framed
 from meshmark.ownership.points.point_shaping import PointShaping
 from meshmark.ownership.search.search import Search
 from meshmark.ownership.vertex_displacement import displacement_rms
 
-__all__ = ["embed_in_parts", "with_parts_apart"]
+__all__ = ["embed_in_parts", "is_read_in_part", "with_parts_apart"]
 
 # Share of the budget that the mark of a part may move its points by, RMS, and of the largest displacement.
 PART_BUDGET, PART_LARGEST = 0.15, 0.3
 # Choices that are tried for each part, and of the modes of `points.parameters.MODES` how much each is worth.
 TRIES, WORTH = 2, (1.0, 0.9, 0.75)
 # Code bits that a part has at least beyond those that an id takes.
-MORE_BITS = 30
+MORE_BITS = 12
 # A part's mark counts where its bound is below 10^this: as a part it pays for further trials.
-SURE = -9.0
+SURE = -12.0
 # How much of the lock of a mark at points of the whole the marks of the parts may cost by their steps, about, tried
 # in turn; and how much of any lock must be left in fact.
 COSTS, LEFT = (0.08, 0.03), 0.92
@@ -73,8 +78,8 @@ def embed_in_parts(task: EmbeddingTask, owned: Owned, parts: Sequence[AssemblyPa
     before = _lock(task, owned)
     seen = task.seen.of(_points(task, owned.mesh)).share
     for cost in COSTS if owned.mark.at_points else COSTS[:1]:
-        made, count = _marked(task, owned, parts, cost)
-        if not count:
+        made = _marked(task, owned, parts, cost)
+        if not made.mark.parts:
             continue
         more = task.seen.of(_points(task, made.mesh)).share
         if (
@@ -97,6 +102,7 @@ def _lock(task: EmbeddingTask, owned: Owned) -> float:
         surface=surface_of_moved(owned.mesh, task.mesh),
         key=task.key,
         effort="plain",
+        label=owned.mark.label,
         spacings=() if owned.mark.at_points else (owned.mark.spacing,),
     )
     found = find(search)
@@ -105,25 +111,40 @@ def _lock(task: EmbeddingTask, owned: Owned) -> float:
     return found.reading.score / float(found.reading.keys.weight.sum())
 
 
-def _marked(
-    task: EmbeddingTask, owned: Owned, parts: Sequence[AssemblyPart], cost: float
-) -> tuple[Owned, int]:
-    """Return the mesh with the id in as many parts as carry it, and their number."""
+def _marked(task: EmbeddingTask, owned: Owned, parts: Sequence[AssemblyPart], cost: float) -> Owned:
+    """Return the mesh with the id in as many parts as carry it."""
     points = _points(task, owned.mesh)
-    step = owned.mark.step * owned.mark.spacing * task.surface.frame.scale if owned.mark.at_points else inf
-    count = 0
-    for part in parts:
-        own = _in_part(task, points, part, _Limits(step=step, cost=cost))
+    taken, step = _taken(task, owned), owned.mark.step * owned.mark.spacing * task.surface.frame.scale
+    carrying = []
+    for number, part in enumerate(parts):
+        beside = replace(part, still=part.still | taken[part.rows])
+        own = _in_part(task, points, beside, _Limits(step=inf, cost=cost))
+        if own is None and owned.mark.at_points:
+            own = _in_part(task, points, part, _Limits(step=step, cost=cost))
         if own is not None:
             points = points.copy()
             points[part.rows] = own
-            count += 1
-    return replace(owned, mesh=task.moved(points)), count
+            carrying.append(number)
+    return replace(owned, mesh=task.moved(points), mark=replace(owned.mark, parts=tuple(carrying)))
+
+
+def _taken(task: EmbeddingTask, owned: Owned) -> NDArray[np.bool_]:
+    """Return which points (p,) carry bits of the mark of the whole; none where it is in cells."""
+    surface = surface_of_moved(owned.mesh, task.mesh)
+    if not owned.mark.at_points or len(surface.points) != len(task.surface.points):
+        return np.zeros(len(task.surface.points), bool)
+    lattice = PointLattice.keyed(task.key, owned.mark.label)
+    framed = Framed.of(surface, Carried.of(surface, surface.frame), surface.frame, lattice)
+    choice = framed.best_at(owned.mark.step * owned.mark.spacing)
+    return np.asarray(framed.carrying(choice).any(axis=1))
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Limits:
-    """Of what a part may cost the whole. step: of the mark of the whole at points, scene units; infinite in cells."""
+    """What a part may cost the whole. step: of the mark of the whole, scene units; infinite where it is in cells.
+
+    cost: share of the lock of the whole.
+    """
 
     step: float
     cost: float
@@ -179,6 +200,11 @@ def _is_read(task: EmbeddingTask, points: FloatArray, part: AssemblyPart, moved:
     """Return whether the id is read from a part as the file holds it, its points (k, 3) moved."""
     whole = points.copy()
     whole[part.rows] = moved
-    surface = surface_of(Mesh(_points(task, task.moved(whole))[part.rows], part.faces))
-    found = find(Search(surface=surface, key=task.key, effort="plain", spacings=()))
-    return found.id == task.identity and found.log10_false_positive <= SURE
+    surface = part.surface(_points(task, task.moved(whole)))
+    return surface is not None and is_read_in_part(surface, task.key, task.identity)
+
+
+def is_read_in_part(surface: Surface, key: Key, identity: int) -> bool:
+    """Return whether the id is surely read from the points of a part's surface."""
+    found = find(Search(surface=surface, key=key, effort="plain", spacings=()))
+    return found.id == identity and found.log10_false_positive <= SURE

@@ -47,8 +47,8 @@ class PointShaping:
     """A surface whose points are to carry bits.
 
     surface: to be marked. lattice: of its label. bits: of the id's word. largest: displacement of a point at most,
-    over the diagonal; budget: RMS displacement, over the diagonal. still: (p,) points that stay where they are; none
-    where it is left out.
+    over the diagonal; budget: RMS displacement, over the diagonal. still: (p,) points that stay where they are;
+    none where it is left out.
     """
 
     def __init__(
@@ -92,7 +92,7 @@ class PointShaping:
 
         The RMS displacement is over the diagonal.
         """
-        carries = self._start.carrying(choice, self._keys.draw)
+        carries = self._start.carrying(choice, self._keys.draw) & ~self._still[:, None]
         index = self._keys.code_index[carries]
         square = self._strain[carries].sum() / max(len(carries), 1) * choice.step**2 / 12.0
         rms = float(np.sqrt(square) * self._frame.scale / self._surface.diagonal)
