@@ -36,9 +36,14 @@ from meshmark.ownership.vertex_displacement import displacement_rms
 __all__ = ["embed_in_parts", "is_read_in_part", "with_parts_apart"]
 
 # Share of the budget that the mark of a part may move its points by, RMS, and of the largest displacement.
-PART_BUDGET, PART_LARGEST = 0.15, 0.3
+PART_BUDGET, PART_LARGEST = 0.25, 0.3
 # Choices that are tried for each part, and of the modes of `points.parameters.MODES` how much each is worth.
 TRIES, WORTH = 2, (1.0, 0.9, 0.75)
+# The next one has another mode, or a step smaller by this factor.
+SMALLER = 0.75
+# A layer on top moves this share of the points by this much along each axis, over the diagonal of the whole: the
+# first choice is taken that bears it, else the first that is read. What share of its code bits is counted on.
+SHAKEN, SHAKE, COUNTED_ON = 0.3, 1.4e-4, 0.6
 # Code bits that a part has at least beyond those that an id takes.
 MORE_BITS = 12
 # A part's mark counts where its bound is below 10^this: as a part it pays for further trials.
@@ -118,9 +123,10 @@ def _marked(task: EmbeddingTask, owned: Owned, parts: Sequence[AssemblyPart], co
     carrying = []
     for number, part in enumerate(parts):
         beside = replace(part, still=part.still | taken[part.rows])
-        own = _in_part(task, points, beside, _Limits(step=inf, cost=cost))
-        if own is None and owned.mark.at_points:
-            own = _in_part(task, points, part, _Limits(step=step, cost=cost))
+        ways = [(beside, _Limits(step=inf, cost=cost))]
+        if owned.mark.at_points:
+            ways.append((part, _Limits(step=step, cost=cost)))
+        own = _in_part(task, points, ways)
         if own is not None:
             points = points.copy()
             points[part.rows] = own
@@ -155,12 +161,34 @@ class _Limits:
 
 
 def _in_part(
-    task: EmbeddingTask, points: FloatArray, part: AssemblyPart, limits: _Limits
+    task: EmbeddingTask, points: FloatArray, ways: Sequence[tuple[AssemblyPart, _Limits]]
 ) -> FloatArray | None:
-    """Return the marked points (k, 3) of a part of a surface with these points (p, 3), None where it cannot be."""
+    """Return the marked points (k, 3) of a part of a surface with these points (p, 3), None where it cannot be.
+
+    ways: the part with what must stay still, and what it may cost; the first that bears a layer on top is taken.
+    """
+    first = None
+    for part, limits in ways:
+        for moved in _made(task, points, part, limits):
+            whole = points.copy()
+            whole[part.rows] = moved
+            surface = part.surface(_points(task, task.moved(whole)))
+            if surface is None:
+                continue
+            if is_read_in_part(_shaken(surface, task.diagonal), task.key, task.identity):
+                return moved
+            if first is None and is_read_in_part(surface, task.key, task.identity):
+                first = moved
+    return first
+
+
+def _made(
+    task: EmbeddingTask, points: FloatArray, part: AssemblyPart, limits: _Limits
+) -> Iterator[FloatArray]:
+    """Yield the points (k, 3) of a part, marked by one choice after another."""
     surface = part.surface(points)
     if surface is None:
-        return None
+        return
     lattice = PointLattice.keyed(task.key, Label.of_shape(surface.invariants, task.key))
     shaping = PointShaping(
         surface,
@@ -172,16 +200,23 @@ def _in_part(
     )
     for choice in islice(_choices(task, shaping, surface, limits), TRIES):
         moved = shaping.shaped(choice)
-        if moved is not None and _is_read(task, points, part, moved):
-            return moved
-    return None
+        if moved is not None:
+            yield moved
+
+
+def _shaken(surface: Surface, diagonal: float) -> Surface:
+    """Return a surface about as a layer on top leaves it; diagonal: of the whole."""
+    rng = np.random.default_rng(0)  # the same every time
+    moves = rng.random(len(surface.points)) < SHAKEN
+    shift = SHAKE * diagonal * rng.uniform(-1.0, 1.0, surface.points.shape)
+    return surface.moved(surface.points + np.where(moves[:, None], shift, 0.0))
 
 
 def _choices(
     task: EmbeddingTask, shaping: PointShaping, surface: Surface, limits: _Limits
 ) -> Iterator[Choice]:
     """Yield the choices for a part that bear most noise, of those that the whole allows."""
-    found = []
+    found: list[tuple[tuple[float, float], Choice]] = []
     for step, mode, share in product(STEPS, range(len(WORTH)), SHARES):
         choice = Choice(step=float(step), mode=mode, share=share)
         if not limits.allow(choice, surface.frame.scale):
@@ -191,17 +226,13 @@ def _choices(
             count >= DISTINCT_BITS[task.bits] + MORE_BITS
             and rms * surface.diagonal <= PART_BUDGET * task.budget
         ):
-            found.append((WORTH[mode] * noise_borne(choice.step, count, task.bits), choice))
-    found.sort(key=lambda entry: -entry[0])
-    yield from (choice for _, choice in found)
-
-
-def _is_read(task: EmbeddingTask, points: FloatArray, part: AssemblyPart, moved: FloatArray) -> bool:
-    """Return whether the id is read from a part as the file holds it, its points (k, 3) moved."""
-    whole = points.copy()
-    whole[part.rows] = moved
-    surface = part.surface(_points(task, task.moved(whole)))
-    return surface is not None and is_read_in_part(surface, task.key, task.identity)
+            borne = WORTH[mode] * noise_borne(choice.step, COUNTED_ON * count, task.bits)
+            found.append(((borne, choice.step * sqrt(count)), choice))
+    found.sort(key=lambda entry: entry[0], reverse=True)
+    while found:
+        _, done = found.pop(0)
+        yield done
+        found = [each for each in found if each[1].mode != done.mode or each[1].step <= SMALLER * done.step]
 
 
 def is_read_in_part(surface: Surface, key: Key, identity: int) -> bool:
