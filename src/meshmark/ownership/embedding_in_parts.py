@@ -15,12 +15,15 @@ from math import inf, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from meshmark.coding.codec import Codec
 from meshmark.coding.keys import Key
+from meshmark.geometry.frame import Frame
 from meshmark.geometry.surface import Surface
 from meshmark.geometry.surface_of import surface_of_moved
 from meshmark.mesh import FloatArray, Mesh
 from meshmark.ownership.assembly_parts import AssemblyPart, parts_held_apart
 from meshmark.ownership.carriers.lattice_label import Label
+from meshmark.ownership.decoding import Listed, decoded
 from meshmark.ownership.embedding_task import EmbeddingTask, Owned
 from meshmark.ownership.extraction import find
 from meshmark.ownership.ownership_mark import noise_borne
@@ -50,7 +53,7 @@ MORE_BITS = 12
 SURE = -12.0
 # How much of the lock of a mark at points of the whole the marks of the parts may cost by their steps, about, tried
 # in turn; and how much of any lock must be left in fact.
-COSTS, LEFT = (0.08, 0.03), 0.92
+COSTS, LEFT = (0.06, 0.02), 0.94
 # A motion along a carrying coordinate by a step as large as its own costs this times the lock.
 COST_OF_STEP = 5.0
 # What parts may add to the visible share, over that which is allowed.
@@ -140,7 +143,7 @@ def _taken(task: EmbeddingTask, owned: Owned) -> NDArray[np.bool_]:
     if not owned.mark.at_points or len(surface.points) != len(task.surface.points):
         return np.zeros(len(task.surface.points), bool)
     lattice = PointLattice.keyed(task.key, owned.mark.label)
-    framed = Framed.of(surface, Carried.of(surface, surface.frame), surface.frame, lattice)
+    framed = _framed(surface, surface.frame, lattice)
     choice = framed.best_at(owned.mark.step * owned.mark.spacing)
     return np.asarray(framed.carrying(choice).any(axis=1))
 
@@ -165,43 +168,55 @@ def _in_part(
 ) -> FloatArray | None:
     """Return the marked points (k, 3) of a part of a surface with these points (p, 3), None where it cannot be.
 
-    ways: the part with what must stay still, and what it may cost; the first that bears a layer on top is taken.
+    ways: the part with what must stay still, and what it may cost; first comes what bears a layer on top.
     """
-    first = None
-    for part, limits in ways:
-        for moved in _made(task, points, part, limits):
-            whole = points.copy()
-            whole[part.rows] = moved
-            surface = part.surface(_points(task, task.moved(whole)))
-            if surface is None:
-                continue
-            if is_read_in_part(_shaken(surface, task.diagonal), task.key, task.identity):
-                return moved
-            if first is None and is_read_in_part(surface, task.key, task.identity):
-                first = moved
-    return first
+    made = [each for part, limits in ways for each in _made(task, points, part, limits)]
+    for each in sorted(made, key=lambda each: not each.bears):
+        if is_read_in_part(each.surface, task.key, task.identity):
+            return each.points
+    return None
 
 
-def _made(
-    task: EmbeddingTask, points: FloatArray, part: AssemblyPart, limits: _Limits
-) -> Iterator[FloatArray]:
-    """Yield the points (k, 3) of a part, marked by one choice after another."""
-    surface = part.surface(points)
-    if surface is None:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Made:
+    """A marked part. points: (k, 3); surface: as the file holds it. bears: a layer on top leaves the id."""
+
+    points: FloatArray
+    surface: Surface
+    bears: bool
+
+
+def _made(task: EmbeddingTask, points: FloatArray, part: AssemblyPart, limits: _Limits) -> Iterator[_Made]:
+    """Yield a part marked by one choice after another, not yet read back."""
+    before = part.surface(points)
+    if before is None:
         return
-    lattice = PointLattice.keyed(task.key, Label.of_shape(surface.invariants, task.key))
+    codec = Codec(task.key)
+    lattice = PointLattice.keyed(task.key, Label.of_shape(before.invariants, task.key))
     shaping = PointShaping(
-        surface,
+        before,
         lattice,
         task.word,
-        largest=PART_LARGEST * LARGEST[task.strength] * task.diagonal / surface.diagonal,
-        budget=PART_BUDGET * task.budget / surface.diagonal,
+        largest=PART_LARGEST * LARGEST[task.strength] * task.diagonal / before.diagonal,
+        budget=0.0,  # what there is of round parts was stretched before the whole was marked
         still=part.still,
+        holds_area=True,
     )
-    for choice in islice(_choices(task, shaping, surface, limits), TRIES):
+    for choice in islice(_choices(task, shaping, before, limits), TRIES):
         moved = shaping.shaped(choice)
-        if moved is not None:
-            yield moved
+        if moved is None:
+            continue
+        whole = points.copy()
+        whole[part.rows] = moved
+        surface = part.surface(_points(task, task.moved(whole)))
+        if surface is not None:
+            framed = _framed(_shaken(surface, task.diagonal), before.frame, lattice)
+            told = decoded(codec, framed.reading(choice, 1.0), Listed(ids=(), words=codec.words(())))
+            yield _Made(points=moved, surface=surface, bears=told is not None and told.id == task.identity)
+
+
+def _framed(surface: Surface, frame: Frame, lattice: PointLattice) -> Framed:
+    return Framed.of(surface, Carried.of(surface, frame), frame, lattice)
 
 
 def _shaken(surface: Surface, diagonal: float) -> Surface:

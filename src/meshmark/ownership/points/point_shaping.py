@@ -17,7 +17,7 @@ from meshmark.mesh import FloatArray, IntArray
 from meshmark.ownership.points.balance import balanced
 from meshmark.ownership.points.carried_coordinates import Carried
 from meshmark.ownership.points.coordinates import held
-from meshmark.ownership.points.frame_moments import MOMENTS, frame_moments
+from meshmark.ownership.points.frame_moments import frame_moments
 from meshmark.ownership.points.moments_apart import moments_apart, stretched
 from meshmark.ownership.points.parameters import LIFTED, SLIDING
 from meshmark.ownership.points.point_choice import Choice
@@ -48,7 +48,7 @@ class PointShaping:
 
     surface: to be marked. lattice: of its label. bits: of the id's word. largest: displacement of a point at most,
     over the diagonal; budget: RMS displacement, over the diagonal. still: (p,) points that stay where they are;
-    none where it is left out.
+    none where it is left out. holds_area: the surface keeps its area as well as its frame.
     """
 
     def __init__(
@@ -60,6 +60,7 @@ class PointShaping:
         largest: float,
         budget: float,
         still: NDArray[np.bool_] | None = None,
+        holds_area: bool = False,
     ) -> None:
         self._surface, self._lattice, self._bits = surface, lattice, bits
         self._still = np.zeros(len(surface.points), bool) if still is None else still
@@ -68,7 +69,9 @@ class PointShaping:
         self._points = self._frame.to_canonical(surface.points)
         self._largest = largest * surface.diagonal / self._frame.scale
         moments = moments_apart(self._frame, budget * surface.diagonal / self._frame.scale)
-        self._goal = np.concatenate([np.zeros(3), moments, np.zeros(3)])
+        self._holds_area = holds_area
+        area = self._moments(self._points)[0][9:]
+        self._goal = np.concatenate([np.zeros(3), moments, np.zeros(3), area])
         # Stretching the whole keeps planes plane; what it leaves of the moments, some points make up for.
         self._stretched = stretched(self._points, self._frame, moments)
         self._stretched[self._still] = self._points[self._still]
@@ -176,14 +179,17 @@ class PointShaping:
             motion = motion - np.einsum("pij,qpj,q->pi", rest, gradient, step, optimize=True)
         return motion
 
+    def _moments(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        return frame_moments(points, self._surface.faces, with_area=self._holds_area)
+
     def _off(self, motion: FloatArray, rest: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return gradient (9, p, 3), error (9,) and system (9, 9) of the frame's moments under a motion.
+        """Return gradient (q, p, 3), error (q,) and system (q, q) of the q moments that are held, under a motion.
 
         The system says how they change for a unit of force along each gradient, `rest` (p, 3, 3) giving way.
         """
-        values, gradient = frame_moments(self._stretched + self._joints @ motion, self._surface.faces)
+        values, gradient = self._moments(self._stretched + self._joints @ motion)
         by_free = self._pull @ gradient.transpose(1, 0, 2).reshape(len(motion), -1)
-        pulled = by_free.reshape(len(motion), MOMENTS, 3)
+        pulled = by_free.reshape(len(motion), -1, 3)
         system = np.einsum("pqi,pij,prj->qr", pulled, rest, pulled, optimize=True)
         return pulled.transpose(1, 0, 2), values - self._goal, system
 
