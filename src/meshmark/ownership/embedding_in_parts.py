@@ -40,6 +40,8 @@ __all__ = ["embed_in_parts", "is_read_in_part", "with_parts_apart"]
 
 # Share of the budget that the mark of a part may move its points by, RMS, and of the largest displacement.
 PART_BUDGET, PART_LARGEST = 0.25, 0.3
+# Of the budget that what the stretch of round parts is measured by; it takes less than a third of that.
+STRETCH = 0.6
 # Choices that are tried for each part, and of the modes of `points.parameters.MODES` how much each is worth.
 TRIES, WORTH = 2, (1.0, 0.9, 0.75)
 # The next one has another mode, or a step smaller by this factor.
@@ -47,6 +49,8 @@ SMALLER = 0.75
 # A layer on top moves this share of the points by this much along each axis, over the diagonal of the whole: the
 # first choice is taken that bears it, else the first that is read. What share of its code bits is counted on.
 SHAKEN, SHAKE, COUNTED_ON = 0.3, 1.4e-4, 0.6
+# It bears that where the bound is below 10^this then, with the frame known: the frame takes its share.
+BEARS = -40.0
 # Code bits that a part has at least beyond those that an id takes.
 MORE_BITS = 12
 # A part's mark counts where its bound is below 10^this: as a part it pays for further trials.
@@ -63,7 +67,7 @@ SEEN_MORE = 0.1
 def with_parts_apart(task: EmbeddingTask, parts: Sequence[AssemblyPart]) -> EmbeddingTask:
     """Return the task with round parts stretched, so that marks on their own frames are found again."""
     surface = task.surface
-    points = parts_held_apart(surface.points, tuple(parts), PART_BUDGET * task.budget)
+    points = parts_held_apart(surface.points, tuple(parts), STRETCH * task.budget)
     if points is surface.points:
         return task
     mesh = task.moved(points)
@@ -168,10 +172,11 @@ def _in_part(
 ) -> FloatArray | None:
     """Return the marked points (k, 3) of a part of a surface with these points (p, 3), None where it cannot be.
 
-    ways: the part with what must stay still, and what it may cost; first comes what bears a layer on top.
+    ways: the part with what must stay still, and what it may cost. The first that bears a layer on top is taken, else
+    that which bears most.
     """
     made = [each for part, limits in ways for each in _made(task, points, part, limits)]
-    for each in sorted(made, key=lambda each: not each.bears):
+    for each in sorted(made, key=lambda each: max(each.bound, BEARS)):
         if is_read_in_part(each.surface, task.key, task.identity):
             return each.points
     return None
@@ -179,11 +184,14 @@ def _in_part(
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class _Made:
-    """A marked part. points: (k, 3); surface: as the file holds it. bears: a layer on top leaves the id."""
+    """A marked part. points: (k, 3); surface: as the file holds it.
+
+    bound: log10 of that on a false positive with a layer on top, its frame known; 0 where the id is lost.
+    """
 
     points: FloatArray
     surface: Surface
-    bears: bool
+    bound: float
 
 
 def _made(task: EmbeddingTask, points: FloatArray, part: AssemblyPart, limits: _Limits) -> Iterator[_Made]:
@@ -212,7 +220,8 @@ def _made(task: EmbeddingTask, points: FloatArray, part: AssemblyPart, limits: _
         if surface is not None:
             framed = _framed(_shaken(surface, task.diagonal), before.frame, lattice)
             told = decoded(codec, framed.reading(choice, 1.0), Listed(ids=(), words=codec.words(())))
-            yield _Made(points=moved, surface=surface, bears=told is not None and told.id == task.identity)
+            bound = 0.0 if told is None or told.id != task.identity else told.log10_false_positive
+            yield _Made(points=moved, surface=surface, bound=bound)
 
 
 def _framed(surface: Surface, frame: Frame, lattice: PointLattice) -> Framed:
