@@ -172,8 +172,8 @@ def _in_part(
 ) -> FloatArray | None:
     """Return the marked points (k, 3) of a part of a surface with these points (p, 3), None where it cannot be.
 
-    ways: the part with what must stay still, and what it may cost. The first that bears a layer on top is taken, else
-    that which bears most.
+    ways: the part with what must stay still, and what it may cost. The first that bears a layer on top is taken,
+    else that which bears most.
     """
     made = [each for part, limits in ways for each in _made(task, points, part, limits)]
     for each in sorted(made, key=lambda each: max(each.bound, BEARS)):
