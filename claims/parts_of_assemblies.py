@@ -1,14 +1,14 @@
 """Whether a part that is taken out of a marked assembly still tells the id, by the key alone.
 
-python -m claims.parts_of_assemblies ROWS.csv [--split test] [--limit N] [--minutes M] [--least 300] [--layers both]
-                                     [--tables]
+python -m claims.parts_of_assemblies ROWS.csv [--split test] [--limit N] [--minutes M] [--least 300] [--most N]
+                                     [--layers both] [--tables]
 
 Models of the benchmark and of the collection with several connected components, one at least of `--least` welded
 points, are marked with a key of their own, with the default options or with `--layers ownership`. Of the components
 of that size up to `MOST` of each model, a seeded choice, are taken out, one by one: only their faces are kept,
-turned, scaled, in another order, as 32-bit floats. A row is written as soon as a model is done; run it again to
-continue an interrupted run. At the end, or at once with --tables, shares of exact ids are printed by the size of
-the part.
+turned, scaled, in another order, as 32-bit floats. Models of more than `--most` points are left out. A row is written
+as soon as a model is done; run it again to continue an interrupted run. At the end, or at once with --tables, shares
+of exact ids are printed by the size of the part.
 
 Figures of docs/decisions/0035-parts-of-assemblies.md.
 """
@@ -59,24 +59,24 @@ def taken_out(mesh: Mesh, faces: IntArray) -> Mesh:
     return Mesh(mesh.vertices[rows], corners.reshape(-1, 3))
 
 
-def row_of(model: str, *, least: int, layers: str) -> dict[str, str]:
+def row_of(model: str, *, least: int, most: float, layers: str) -> dict[str, str]:
     """Return the row of one model; only its size of one that has no large part beside others."""
     start = process_time()
-    return _row_of(model, least, layers) | {"seconds": f"{process_time() - start:.2f}"}
+    return _row_of(model, (least, most), layers) | {"seconds": f"{process_time() - start:.2f}"}
 
 
-def _row_of(model: str, least: int, layers: str) -> dict[str, str]:
+def _row_of(model: str, points: tuple[int, float], layers: str) -> dict[str, str]:
     mesh = load(DATA / model)
     components = components_of(mesh)
     sizes = [len(surface_of(taken_out(mesh, each)).points) for each in components[:200]]
-    large = [number for number, size in enumerate(sizes) if size >= least]
+    large = [number for number, size in enumerate(sizes) if size >= points[0]]
     row = {
         "model": model,
         "points": str(len(surface_of(mesh).points)),
         "components": str(len(components)),
         "large": str(len(large)),
     }
-    if len(components) < 2 or not large:
+    if len(components) < 2 or not large or int(row["points"]) > points[1]:
         return row | {"outcome": "left out"}
     digest = hashlib.sha256(model.encode()).digest()
     key, identity = Key(digest), int.from_bytes(digest[:8], "little")
@@ -150,9 +150,10 @@ def models(split: str) -> Iterator[str]:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Measure what is left, and print the table."""
     parser = parser_of(__doc__, 300)
+    parser.add_argument("--most", type=float, default=float("inf"), help="points of a model")
     parser.add_argument("--layers", default="both", choices=["both", "ownership"])
     options = parser.parse_args(arguments)
-    measured = partial(row_of, least=options.least, layers=options.layers)
+    measured = partial(row_of, least=options.least, most=options.most, layers=options.layers)
     print(table(measure(options, COLUMNS, models(options.split), measured)))
     return 0
 
