@@ -6,9 +6,9 @@ python -m claims.parts_of_assemblies ROWS.csv [--split test] [--limit N] [--minu
 Models of the benchmark and of the collection with several connected components, one at least of `--least` welded
 points, are marked with a key of their own, with the default options or with `--layers ownership`. Of the components
 of that size up to `MOST` of each model, a seeded choice, are taken out, one by one: only their faces are kept,
-turned, scaled, in another order, as 32-bit floats. Models of more than `--most` points are left out. A row is written
-as soon as a model is done; run it again to continue an interrupted run. At the end, or at once with --tables, shares
-of exact ids are printed by the size of the part.
+turned, scaled, in another order, as 32-bit floats. Models of more than `--most` points are left out. A row is
+written as soon as a model is done; run it again to continue an interrupted run. At the end, or at once with
+--tables, shares of exact ids are printed by the size of the part.
 
 Figures of docs/decisions/0035-parts-of-assemblies.md.
 """

@@ -57,7 +57,7 @@ MORE_BITS = 12
 SURE = -12.0
 # How much of the lock of a mark at points of the whole the marks of the parts may cost by their steps, about, tried
 # in turn; and how much of any lock must be left in fact.
-COSTS, LEFT = (0.06, 0.02), 0.94
+COSTS, LEFT = (0.06, 0.02), 0.9
 # A motion along a carrying coordinate by a step as large as its own costs this times the lock.
 COST_OF_STEP = 5.0
 # What parts may add to the visible share, over that which is allowed.
