@@ -34,6 +34,7 @@ COMMANDS = {
     "marks": "docs/decisions/0008-authentication-marks.md",
     "metrics_validation": "docs/decisions/0005-metrics.md",
     "original_recovery": "docs/decisions/0028-recovery-with-the-original.md",
+    "parts_of_assemblies": "docs/decisions/0035-parts-of-assemblies.md",
     "performance": "docs/performance.md",
     "point_locks": "docs/results/coarse.md",
     "princeton": "docs/results/field-files.md",
@@ -60,8 +61,9 @@ COMMANDS = {
 }
 ALONE = {
     "authenticate_speed", "batch_runs", "by_hand", "coarse", "compressed_gltf", "costa", "crops_and_mosaics",
-    "false_alarms", "hostile", "lattice_labels", "original_recovery", "performance", "princeton", "published",
-    "registration", "rivals_sanity", "same_behaviour", "security", "sizing", "web_exports",
+    "false_alarms", "hostile", "lattice_labels", "original_recovery", "parts_of_assemblies", "performance",
+    "princeton", "published", "registration", "rivals_sanity", "same_behaviour", "security", "sizing",
+    "web_exports",
 }  # fmt: skip
 
 

@@ -16,6 +16,7 @@ from meshmark.marking.authentication_layer import with_authentication
 from meshmark.marking.embedding_result import Embedding
 from meshmark.marking.fewer_bits import fewer_bits_that_fit
 from meshmark.marking.mark_request import WEB_FORMATS, MarkRequest
+from meshmark.marking.marked_parts import parts_in_words, with_parts_read
 from meshmark.marking.repeated_mesh import embed_repeated
 from meshmark.marking.verification import verify
 from meshmark.marking.written_marks import Base
@@ -173,7 +174,7 @@ def _verified(below: Owned, mesh: Mesh, request: MarkRequest, remarks: tuple[str
         ownership=below.mark,
         authentication=None,
         displacement=vertex_displacement(mesh, below.mesh),
-        remarks=remarks,
+        remarks=(*remarks, *parts_in_words(below.mark)),
     )
     verify(result.mesh, request.key, result)
     return result
@@ -237,7 +238,9 @@ def _on_top(below: Owned | None, original: Mesh, request: MarkRequest) -> Embedd
         raise _OverBudgetError(share, request.strength)
     ownership = None
     if below is not None:
-        ownership = replace(below.mark, carriers=upper.carriers)
+        ownership = with_parts_read(
+            replace(below.mark, carriers=upper.carriers), upper.mesh, request.key, request.id
+        )
     return Embedding(
         mesh=upper.mesh,
         id=told_id(request.id),
@@ -245,5 +248,5 @@ def _on_top(below: Owned | None, original: Mesh, request: MarkRequest) -> Embedd
         ownership=ownership,
         authentication=upper.mark,
         displacement=displacement,
-        remarks=upper.remarks,
+        remarks=upper.remarks if ownership is None else (*upper.remarks, *parts_in_words(ownership)),
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import log10
 from time import monotonic, perf_counter
@@ -20,11 +20,11 @@ from meshmark.geometry.surface import Surface
 from meshmark.geometry.surface_of import surface_of
 from meshmark.mesh import Mesh
 from meshmark.ownership.answer import extraction_of
+from meshmark.ownership.assembly_parts import LEAST_POINTS
 from meshmark.ownership.extraction import checked_request, find
 from meshmark.ownership.extraction import extract as extract_ownership
 from meshmark.ownership.extraction_result import Evidence, Extraction
 from meshmark.ownership.search.search import Search
-from meshmark.ownership.search.strategies import Strategy
 from meshmark.ownership.search.trials import TrialCounter
 from meshmark.scene.surfaces import marked_surface
 from meshmark.threads import on_one_thread
@@ -33,8 +33,8 @@ __all__ = ["extract"]
 
 # Where marks vouch for this share of the surface, the ownership layer, too, is read as it stands only.
 _MOSTLY_WHOLE = 0.2
-# Connected components of at least this many points are read on their own, the largest first; and at most how many.
-_PART, _MOST_PARTS = 300, 8
+# At most so many connected components are read on their own, the largest first, of those that are large enough.
+_MOST_PARTS = 8
 # Seconds that a search is given at least, however long the marks took.
 _LEAST_TIME = 0.01
 
@@ -114,7 +114,6 @@ def _left(end: float | None) -> float | None:
 def _parts(mesh: Mesh, key: Key, end: float | None, among: Sequence[int]) -> Iterator[Evidence]:
     """Yield what the ownership layer of large connected components says, each read as it stands.
 
-    Of its two kinds of carriers only that is read which an embedding into the component would try first.
     The bound of the t-th is multiplied by t (t + 1), for all of them together.
     """
     surface = marked_surface(mesh)
@@ -124,7 +123,7 @@ def _parts(mesh: Mesh, key: Key, end: float | None, among: Sequence[int]) -> Ite
         return
     of_face = label[surface.faces[:, 0]]
     areas = surface.face_areas
-    largest = [each for each in np.argsort(-size, kind="stable")[:_MOST_PARTS] if size[each] >= _PART]
+    largest = [each for each in np.argsort(-size, kind="stable")[:_MOST_PARTS] if size[each] >= LEAST_POINTS]
     for trial, component in enumerate(largest, start=1):
         if end is not None and monotonic() >= end:
             return
@@ -136,7 +135,7 @@ def _parts(mesh: Mesh, key: Key, end: float | None, among: Sequence[int]) -> Ite
             trials=TrialCounter(_left(end)),
             among=tuple(dict.fromkeys(among)),
         )
-        found = extraction_of(find(search, _first_to_try(search)), Codec(key), "blind", 0.0)
+        found = extraction_of(find(search), Codec(key), "blind", 0.0)
         charge = log10(trial * (trial + 1))
         for entry in found.evidence:
             yield replace(
@@ -144,12 +143,6 @@ def _parts(mesh: Mesh, key: Key, end: float | None, among: Sequence[int]) -> Ite
                 log10_false_positive=believable(entry.log10_false_positive + charge),
                 share=float(areas[chosen].sum() / areas.sum()),
             )
-
-
-def _first_to_try(search: Search) -> Callable[[Strategy], bool]:
-    """Return which strategy reads the carriers that an embedding into the surface would try first."""
-    name = "points as they stand" if search.suits_points else "as it stands"
-    return lambda strategy: strategy.name == name
 
 
 def _mesh_of(surface: Surface, chosen: np.ndarray) -> Mesh:

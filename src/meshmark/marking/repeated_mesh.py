@@ -41,5 +41,5 @@ def embed_repeated(
         if piece is None:
             raise
         found = embed(piece.mesh, key, id=id, bits=bits, strength=strength, reserve=reserve)
-        mark = replace(found.mark, repeated_only=True)
+        mark = replace(found.mark, repeated_only=True, parts=())
         return Owned(mesh=piece.back(found.mesh.vertices), mark=mark)

@@ -12,6 +12,7 @@ from meshmark.coding.message import requested_id
 from meshmark.errors import CapacityError, InputError
 from meshmark.geometry.surface_of import surface_of_moved
 from meshmark.mesh import Mesh
+from meshmark.ownership.assembly_parts import assembly_parts
 from meshmark.ownership.embedding_in_cells import embed_in_cells
 from meshmark.ownership.embedding_task import EmbeddingTask, Owned
 from meshmark.ownership.extraction import find
@@ -49,7 +50,8 @@ def embed(
 
     The cells of the surface carry it, those that leave planes plane if they are enough, or, where they cannot, as
     on coarse models, its points. Of a few steps, from the one that bears most noise within the budget down, the
-    first is taken whose mark, rounded to what the file can hold, is read back blind.
+    first is taken whose mark, rounded to what the file can hold, is read back blind. Large connected components
+    carry it in their points as well, on frames of their own, where the mark of the whole bears that.
 
     Parameters
     ----------
@@ -88,7 +90,19 @@ def embed(
         strength=strength,
         rms=sqrt(budget**2 - reserve**2),
     )
-    return _marked(task)
+    parts = assembly_parts(task.surface)
+    if not parts:
+        return _marked(task)
+    from meshmark.ownership.embedding_in_parts import embed_in_parts, with_parts_apart
+
+    apart = with_parts_apart(task, parts)
+    try:
+        owned = _marked(apart)
+    except CapacityError:
+        if apart is task:
+            raise
+        owned = _marked(task)
+    return embed_in_parts(task, owned, parts)
 
 
 def _marked(task: EmbeddingTask) -> Owned:

@@ -28,7 +28,8 @@ class OwnershipMark:
     carriers: number of cells, or of coordinates of points, that an extraction reads. label, spacing: of the
     lattice, in canonical units. step: of the quantisation, in spacings. at_points: the carriers are points instead
     of cells. repeated_only: the mark lies only in the part of the scene that is shown more than once. bits: of the
-    id, 64 or 32; 0: there is none.
+    id, 64 or 32; 0: there is none. parts: numbers, among the `assembly_parts` of the surface, of those that carry
+    the id on frames of their own besides.
     """
 
     carriers: int
@@ -38,6 +39,7 @@ class OwnershipMark:
     at_points: bool = False
     repeated_only: bool = False
     bits: int = 64
+    parts: tuple[int, ...] = ()
 
     @property
     def toughness(self) -> float:

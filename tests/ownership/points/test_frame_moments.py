@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from meshmark.geometry.frame import canonical_frame, surface_moments
-from meshmark.ownership.points.frame_moments import MOMENTS, frame_moments
+from meshmark.ownership.points.frame_moments import frame_moments
 from tests.low_poly import ball, box, prism
 
 SHAPES = {"box": box((3, 2, 2), (3.0, 2.0, 1.3)), "ball": ball(1), "prism": prism(7, 3, 2.0)}
@@ -31,17 +31,27 @@ def test_in_canonical_coordinates_they_are_the_frames_moments(name):
     np.testing.assert_allclose(values, [0, 0, 0, *frame.moments, 0, 0, 0], atol=1e-12)
 
 
+@pytest.mark.parametrize("with_area", [False, True])
 @pytest.mark.parametrize("name", SHAPES)
-def test_the_gradient_is_that_of_finite_differences(name):
+def test_the_gradient_is_that_of_finite_differences(name, with_area):
     points, faces = SHAPES[name]
-    _, gradient = frame_moments(points, faces)
-    assert gradient.shape == (MOMENTS, len(points), 3)
+    _, gradient = frame_moments(points, faces, with_area=with_area)
+    assert gradient.shape == (9 + with_area, len(points), 3)
     random = np.random.default_rng(1)
     for _ in range(5):
         motion = random.normal(size=points.shape)
-        ends = [frame_moments(points + sign * 1e-5 * motion, faces)[0] for sign in (1.0, -1.0)]
+        ends = [
+            frame_moments(points + sign * 1e-5 * motion, faces, with_area=with_area)[0]
+            for sign in (1.0, -1.0)
+        ]
         told = np.einsum("qpi,pi->q", gradient, motion)
         np.testing.assert_allclose(told, (ends[0] - ends[1]) / 2e-5, rtol=1e-6, atol=1e-8)
+
+
+def test_the_last_value_is_the_logarithm_of_the_area():
+    points, faces = SHAPES["box"]
+    values, _ = frame_moments(points, faces, with_area=True)
+    assert values[9] == pytest.approx(np.log(2.0 * (3.0 * 2.0 + 3.0 * 1.3 + 2.0 * 1.3)), abs=1e-12)
 
 
 def test_a_shift_moves_the_centre_alone_and_a_point_of_no_face_nothing():

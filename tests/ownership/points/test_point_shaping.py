@@ -231,3 +231,31 @@ def test_the_input_stays_as_it_was_and_the_output_is_the_same_again():
     again = found.shaping.shaped(found.choice)
     np.testing.assert_array_equal(again, found.after.points)
     np.testing.assert_array_equal(found.before.points, before)
+
+
+def test_points_that_are_still_stay_where_they_are_and_the_area_is_held_where_it_is_asked_for():
+    task = EmbeddingTask(mesh=Mesh(*SHAPES["ball"]), key=KEY, identity=ID, strength="standard", rms=1.0)
+    surface, lattice = task.surface, PointLattice.keyed(KEY, task.label)
+    still = np.arange(len(surface.points)) % 3 == 0
+    choice = Choice(step=float(STEPS[8]), mode=2, share=1.0)
+    counts, changes = [], []
+    for holds_area in (False, True):
+        shaping = PointShaping(
+            surface,
+            lattice,
+            task.word,
+            largest=LARGEST["standard"],
+            budget=BUDGET,
+            still=still,
+            holds_area=holds_area,
+        )
+        points = shaping.shaped(choice)
+        assert points is not None
+        np.testing.assert_array_equal(points[still], surface.points[still])
+        assert (points[~still] != surface.points[~still]).any(axis=1).mean() > 0.9
+        counts.append(shaping.expected(choice)[0])
+        areas = [each.face_areas.sum() for each in (surface, surface.moved(points))]
+        changes.append(abs(areas[1] / areas[0] - 1.0))
+    assert changes[1] < 0.1 * changes[0]
+    free = PointShaping(surface, lattice, task.word, largest=LARGEST["standard"], budget=BUDGET)
+    assert counts[0] < free.expected(choice)[0]

@@ -6,25 +6,28 @@ import numpy as np
 
 from meshmark.mesh import FloatArray, IntArray
 
-__all__ = ["MOMENTS", "frame_moments"]
+__all__ = ["frame_moments"]
 
-MOMENTS = 9
 _PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 
 
-def frame_moments(points: FloatArray, faces: IntArray) -> tuple[FloatArray, FloatArray]:
+def frame_moments(
+    points: FloatArray, faces: IntArray, *, with_area: bool = False
+) -> tuple[FloatArray, FloatArray]:
     """Return the centroid and the central second moments per unit of area, and their gradient.
 
     Parameters
     ----------
     points : (p, 3) float array
     faces : (m, 3) int array
+    with_area : bool
+        Also the logarithm of the area.
 
     Returns
     -------
-    values : (9,) float array
-        Centroid x, y, z; moments xx, yy, zz, xy, xz, yz.
-    gradient : (9, p, 3) float array
+    values : (9,) or (10,) float array
+        Centroid x, y, z; moments xx, yy, zz, xy, xz, yz; with the area, its logarithm.
+    gradient : (9, p, 3) or (10, p, 3) float array
         By each coordinate of each point.
     """
     count = len(points)
@@ -51,7 +54,7 @@ def frame_moments(points: FloatArray, faces: IntArray) -> tuple[FloatArray, Floa
         return np.stack([np.bincount(at, each.ravel(), count) for each in changes], axis=1)
 
     growth = by_point(grows)  # of the area
-    gradient = np.empty((MOMENTS, count, 3))
+    gradient = np.empty((len(means), count, 3))
     for row, mean in enumerate(means):
         change = mean * grows
         if row < 3:
@@ -66,4 +69,6 @@ def frame_moments(points: FloatArray, faces: IntArray) -> tuple[FloatArray, Floa
     for row, (i, j) in enumerate(_PAIRS, start=3):
         values[row] -= centre[i] * centre[j]
         gradient[row] -= centre[i] * gradient[j] + centre[j] * gradient[i]
+    if with_area:
+        return np.append(values, np.log(total)), np.concatenate([gradient, growth[None] / total])
     return values, gradient

@@ -18,6 +18,8 @@ __all__ = ["sweep"]
 
 # Where moments are alike their axes turn: by so much, in radians, over the gap between them, and at most.
 TURNS, MOST = 3e-5, 0.03
+# Moments of a marked surface differ by more than this times its width along their axes: an embedding sees to that.
+NEVER = 1e-4
 # Turns are this far apart, in radians, and judged by this number of points, at steps of at least this index.
 APART, JUDGES, COARSE = 6e-4, 250, 6
 
@@ -25,8 +27,8 @@ APART, JUDGES, COARSE = 6e-4, 250, 6
 def sweep(carried: Carried, frame: Frame, lattice: PointLattice) -> list[tuple[float, Frame]]:
     """Return frames about `frame`, turned about the axis that stands out, with how well points lock there.
 
-    Empty where the moments are apart, or nothing has room for a step. A score is of the best step, in standard
-    deviations of chance.
+    Empty where the moments are apart, or more alike than an embedding leaves them, or nothing has room for a step.
+    A score is of the best step, in standard deviations of chance.
 
     Parameters
     ----------
@@ -39,7 +41,8 @@ def sweep(carried: Carried, frame: Frame, lattice: PointLattice) -> list[tuple[f
     gaps = -np.diff(frame.moments)
     pair = int(np.argmin(gaps))
     rows = np.flatnonzero(carried.at(float(STEPS[COARSE])))
-    if gaps[pair] > ALIKE or not len(rows):
+    width = float(np.sqrt(frame.moments[pair : pair + 2].mean()))
+    if not NEVER * width <= gaps[pair] <= ALIKE or not len(rows):
         return []
     points = carried.in_frame(frame)[rows]
     draw = lattice.keys(lattice.cubes(points)).draw.min(axis=1)

@@ -17,8 +17,9 @@ from meshmark.mesh import FloatArray, IntArray
 from meshmark.ownership.points.balance import balanced
 from meshmark.ownership.points.carried_coordinates import Carried
 from meshmark.ownership.points.coordinates import held
-from meshmark.ownership.points.frame_moments import MOMENTS, frame_moments
-from meshmark.ownership.points.parameters import LIFTED, MOMENTS_APART, SLIDING
+from meshmark.ownership.points.frame_moments import frame_moments
+from meshmark.ownership.points.moments_apart import moments_apart, stretched
+from meshmark.ownership.points.parameters import LIFTED, SLIDING
 from meshmark.ownership.points.point_choice import Choice
 from meshmark.ownership.points.point_lattice import PointKeys, PointLattice
 from meshmark.ownership.points.targets import Quantiser, nearest_places
@@ -46,24 +47,34 @@ class PointShaping:
     """A surface whose points are to carry bits.
 
     surface: to be marked. lattice: of its label. bits: of the id's word. largest: displacement of a point at most,
-    over the diagonal; budget: RMS displacement, over the diagonal.
+    over the diagonal; budget: RMS displacement, over the diagonal. still: (p,) points that stay where they are;
+    none where it is left out. holds_area: the surface keeps its area as well as its frame.
     """
 
     def __init__(
-        self, surface: Surface, lattice: PointLattice, bits: Bits, *, largest: float, budget: float
+        self,
+        surface: Surface,
+        lattice: PointLattice,
+        bits: Bits,
+        *,
+        largest: float,
+        budget: float,
+        still: NDArray[np.bool_] | None = None,
+        holds_area: bool = False,
     ) -> None:
         self._surface, self._lattice, self._bits = surface, lattice, bits
+        self._still = np.zeros(len(surface.points), bool) if still is None else still
         self._frame = surface.frame
         self._start = Carried.of(surface, self._frame)
         self._points = self._frame.to_canonical(surface.points)
         self._largest = largest * surface.diagonal / self._frame.scale
-        # Stretching by this much moves points by a part of the budget, whatever the model's proportions.
-        widths = np.sqrt(0.5 * (self._frame.moments[:-1] + self._frame.moments[1:]))
-        bearable = MOMENTS_APART[1] * budget * surface.diagonal / self._frame.scale * widths
-        moments = _apart(self._frame.moments, np.minimum(MOMENTS_APART[0], bearable))
-        self._goal = np.concatenate([np.zeros(3), moments, np.zeros(3)])
+        moments = moments_apart(self._frame, budget * surface.diagonal / self._frame.scale)
+        self._holds_area = holds_area
+        area = self._moments(self._points)[0][9:]
+        self._goal = np.concatenate([np.zeros(3), moments, np.zeros(3), area])
         # Stretching the whole keeps planes plane; what it leaves of the moments, some points make up for.
-        self._stretched = self._points * np.sqrt(moments / np.maximum(self._frame.moments, 1e-12))
+        self._stretched = stretched(self._points, self._frame, moments)
+        self._stretched[self._still] = self._points[self._still]
 
     @cached_property
     def _joints(self) -> csr_array:
@@ -84,7 +95,7 @@ class PointShaping:
 
         The RMS displacement is over the diagonal.
         """
-        carries = self._start.carrying(choice, self._keys.draw)
+        carries = self._start.carrying(choice, self._keys.draw) & ~self._still[:, None]
         index = self._keys.code_index[carries]
         square = self._strain[carries].sum() / max(len(carries), 1) * choice.step**2 / 12.0
         rms = float(np.sqrt(square) * self._frame.scale / self._surface.diagonal)
@@ -102,7 +113,7 @@ class PointShaping:
         surface, start, joints = self._surface, self._stretched, self._joints
         before = _normals(start, surface.faces)
         quantiser = Quantiser(lattice=self._lattice, bits=self._bits, step=choice.step)
-        frozen = (joints.diagonal() != 1.0) | (np.diff(joints.indptr) != 1)
+        frozen = (joints.diagonal() != 1.0) | (np.diff(joints.indptr) != 1) | self._still
         yields = np.minimum(self._start.stars.height / self._largest, 1.0) ** 2
         points, motion = start, np.zeros_like(start)
         for number in range(PASSES + FURTHER):
@@ -168,14 +179,17 @@ class PointShaping:
             motion = motion - np.einsum("pij,qpj,q->pi", rest, gradient, step, optimize=True)
         return motion
 
+    def _moments(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        return frame_moments(points, self._surface.faces, with_area=self._holds_area)
+
     def _off(self, motion: FloatArray, rest: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return gradient (9, p, 3), error (9,) and system (9, 9) of the frame's moments under a motion.
+        """Return gradient (q, p, 3), error (q,) and system (q, q) of the q moments that are held, under a motion.
 
         The system says how they change for a unit of force along each gradient, `rest` (p, 3, 3) giving way.
         """
-        values, gradient = frame_moments(self._stretched + self._joints @ motion, self._surface.faces)
+        values, gradient = self._moments(self._stretched + self._joints @ motion)
         by_free = self._pull @ gradient.transpose(1, 0, 2).reshape(len(motion), -1)
-        pulled = by_free.reshape(len(motion), MOMENTS, 3)
+        pulled = by_free.reshape(len(motion), -1, 3)
         system = np.einsum("pqi,pij,prj->qr", pulled, rest, pulled, optimize=True)
         return pulled.transpose(1, 0, 2), values - self._goal, system
 
@@ -186,17 +200,6 @@ def _touched(joints: csr_array, points: IntArray, count: int) -> NDArray[np.bool
     touched[points] = True
     touched[joints[points].indices] = True
     return touched
-
-
-def _apart(moments: FloatArray, gaps: FloatArray) -> FloatArray:
-    """Return falling second moments (3,), of the same sum, that are these gaps (2,) apart."""
-    moments = moments.copy()
-    for _ in range(20):
-        for i in range(2):
-            short = max(float(gaps[i] - (moments[i] - moments[i + 1])), 0.0)
-            moments[i] += short / 2.0
-            moments[i + 1] -= short / 2.0
-    return np.asarray(moments / moments.sum())
 
 
 def _normals(points: FloatArray, faces: IntArray) -> FloatArray:
