@@ -12,7 +12,7 @@ from meshmark.data.packing import packed, sorted_faces, unpacked
 from tests.shapes import pebble
 
 # Recorded when the hare was made; its marks in the README's tour are of these bytes.
-DIGEST = "040c0c169ef09acaf777445eef0509a0e3652b438412dbf41804dda18fbc2a8f"
+DIGEST = "59a9e7187236ed32afad61a4101844bde9b5515353f85408fff1ff68fd76c175"
 STEP = 2.0**-10
 
 

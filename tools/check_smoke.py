@@ -19,7 +19,7 @@ BITS = 64
 ALARM = 1e-6
 HARMLESS = ("none", "similarity:1", "shuffle:1", "float32:1", "file_obj:1", "midpoint:1")
 BUDGETS = {"subtle": 0.0002, "standard": 0.0008, "strong": 0.002}
-WRONG_KEYS = 4
+WRONG_KEYS = 2
 
 Table = list[dict[str, str]]
 

@@ -23,7 +23,7 @@ from meshmark.authentication.marks.precision import precision_of
 from meshmark.geometry.weld import weld
 from meshmark.mesh import FloatArray, IntArray
 
-__all__ = ["LONE_TRIES", "TRIES", "Forger", "measure"]
+__all__ = ["LONE_TRIES", "TRIES", "Forger", "Try", "measure"]
 
 TRIES = 10_000
 """Of each model, over all kinds of forged parts."""

@@ -20,7 +20,14 @@ from meshmark.authentication.checks.ring_reading import window_of
 from meshmark.authentication.checks.setting_search import Setting, all_candidates, likeliest_setting
 from meshmark.authentication.checks.sweep import Sweep, sweep
 from meshmark.authentication.examination import examine
-from meshmark.authentication.marks.candidates import HEADER, Candidates, beside, eligible, joined
+from meshmark.authentication.marks.candidates import (
+    HEADER,
+    Candidates,
+    beside,
+    eligible,
+    joined,
+    with_beside,
+)
 from meshmark.authentication.marks.ring_shapes import RingShapes, ring_shapes
 from meshmark.authentication.marks.rings import Rings
 from meshmark.authentication.marks.rings_of import rings_of
@@ -128,7 +135,7 @@ class Vouching:
             return holds
         ways = joined(found)
         if self._rounded:
-            ways = joined([ways, beside(ways, _BESIDE)])
+            ways = with_beside(ways, beside(ways, np.ones(len(ways.vertex), bool), _BESIDE))
         holds[np.searchsorted(asked, ways.vertex[self._may_hold(ways)])] = True
         return holds
 

@@ -76,7 +76,7 @@ def test_what_breaks_a_mark_is_told_by_name(plain):
     broken = broken_by(plain.mesh, KEY, ID, ("floats", "side"), 1e-12)
     assert broken is not None
     assert broken.called == "a grid of 16 bits on the longest side"
-    assert broken.altered.any()
+    assert broken.unread.any()
 
 
 @pytest.fixture(scope="module")

@@ -98,6 +98,47 @@ def test_an_id_that_is_not_in_the_registry_is_said_to_be_none_of_it(cli, place):
     assert "no copy with this id" in found["advice"]
 
 
+def test_authenticate_names_the_recipient_and_looks_the_certificate_up(cli, place):
+    line = ("authenticate", "bob.ply", "--key", "my.key")
+    alone = only_object(cli(*line, "--json").out)
+    assert (alone["recipient"], alone["verdict"], alone["certificate"]) == (None, "inconclusive", None)
+    ran = cli(*line, "--registry", "issued.db", "--json")
+    told = only_object(ran.out)
+    assert (ran.code, told["recipient"], told["verdict"]) == (0, "Bob", "authentic")
+    assert (told["mode"], told["certificate"]) == ("certificate", "own")
+    assert "issued to Bob" in cli(*line, "--registry", "issued.db").out
+    assert cli("registry", "init", "--registry", "empty.db").code == 0
+    told = only_object(cli(*line, "--registry", "empty.db", "--json").out)
+    assert (told["recipient"], told["mode"]) == (None, "blind")
+
+
+def test_recover_takes_the_parts_from_the_file_of_the_copy(cli, place):
+    mesh = mm.read_mesh("bob.ply")
+    moved = mesh.vertices.copy()
+    moved[40:60] *= 1.05
+    mm.write_mesh(mesh.with_vertices(moved), "found.ply")
+    shutil.copy("bob.ply", "kept.ply")
+    line = ("recover", "found.ply", "back.ply", "--key", "my.key", "--registry", "issued.db", "--json")
+    with Registry.open("issued.db") as registry:
+        registry.relocate(int(BOB, 16), KEY.fingerprint, str(place / "gone.ply"))
+    before = snapshot(place)
+    ran = cli(*line)
+    assert_refused(ran, place, before)
+    assert "is no longer" in ran.err
+    with Registry.open("issued.db") as registry:
+        registry.relocate(int(BOB, 16), KEY.fingerprint, str(place / "kept.ply"))
+    ran = cli(*line)
+    told = only_object(ran.out)
+    assert (ran.code, told["recovered"], told["restored_from"]) == (0, True, "marked_copy")
+    assert np.abs(mm.read_mesh("back.ply").vertices - mesh.vertices).max() < 1e-6
+    with Path("kept.ply").open("ab") as file:
+        file.write(b" ")
+    before = snapshot(place)
+    ran = cli(*line[:2], "other.ply", *line[3:])
+    assert_refused(ran, place, before)
+    assert "was changed since it was marked" in ran.err
+
+
 def test_what_is_refused_leaves_no_row(cli, place):
     kept = records(cli)
     (place / "taken.ply").write_bytes(b"mine")

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from meshmark.coding.erasure import erasure_code, solver
 from meshmark.coding.erasure.belief import trust
 from meshmark.coding.erasure.erasure_code import ErasureCode, capacity, decode
 from meshmark.coding.erasure.graph import DENSE, Graph, mix, sizes
@@ -82,6 +83,21 @@ def test_noise_gives_nothing():
     rng = np.random.default_rng(4)
     index = rng.integers(0, 1 << 32, 400, dtype=np.uint32)
     assert decode(index, rng.integers(0, 256, 400).astype(np.uint16), 8) is None
+
+
+def test_no_size_is_tried_that_hardly_any_pilot_names(monkeypatch):
+    """Solving for noise takes far longer than for a message."""
+    tried = []
+    monkeypatch.setattr(erasure_code, "solve", lambda graph, *_: tried.append(graph.size))
+    rng = np.random.default_rng(4)
+    index = rng.integers(0, 1 << 32, 400, dtype=np.uint32)
+    assert decode(index, rng.integers(0, 1 << 10, 400).astype(np.uint16), 10) is None
+    assert tried == []
+    code = ErasureCode(bytes(40), 10)
+    value = code(index)
+    wrong = rng.random(400) < 0.5
+    decode(index, np.where(wrong, value ^ np.uint16(0x155), value), 10)
+    assert tried == [code.size]
 
 
 def test_symbols_have_so_many_bits_and_belong_to_their_index():
@@ -163,3 +179,19 @@ def test_symbols_that_come_often_count_once_and_their_wrong_copies_are_outvoted(
     value[:300:3] ^= 1  # one copy of three of each of the first hundred
     order = np.random.default_rng(6).permutation(len(index))
     assert decode(index[order], value[order], 10) == message
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_few_wrong_symbols_are_found_by_what_the_others_say(seed, monkeypatch):
+    def called(*_: object) -> None:
+        raise AssertionError("the few unknowns that a wrong symbol spoils need no belief propagation")
+
+    monkeypatch.setattr(solver, "trust", called)
+    random = np.random.default_rng(seed)
+    message = random.bytes(1000)
+    code = ErasureCode(message, 10)
+    index = np.arange(1900, dtype=np.uint32) + np.uint32(seed * 5000)
+    value = code(index).copy()
+    wrong = random.choice(len(index), 2, replace=False)
+    value[wrong] ^= random.integers(1, 1024, 2).astype(np.uint16)
+    assert decode(index, value, 10) == message

@@ -64,7 +64,6 @@ def test_copies_are_marked_as_one_and_read_from_the_file_and_from_what_bakes_the
         verdict = authenticate(mesh, KEY)
         assert (verdict.verdict, verdict.id, verdict.points_missing) == ("authentic", ID, 0)
     assert result.rms_over_diagonal <= 8e-4
-    assert extract(written, OTHER, search="plain").id is None
 
 
 def test_two_items_and_a_component_of_a_3mf_are_copies(tmp_path):
@@ -75,6 +74,11 @@ def test_two_items_and_a_component_of_a_3mf_are_copies(tmp_path):
     for mesh in (written, baked(written, tmp_path / "out.ply")):
         assert extract(mesh, KEY, search="plain").id == ID
         assert authenticate(mesh, KEY).verdict == "authentic"
+    assert extract(written, OTHER, search="plain").id is None
+
+
+def test_another_key_finds_nothing_in_copies(marked):
+    assert extract(read_mesh(marked[0] / "out.glb"), OTHER, search="plain").id is None
 
 
 def test_every_showing_is_an_image_of_the_marked_mesh(marked):

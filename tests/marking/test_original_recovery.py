@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from meshmark.authentication.examination import examine
-from meshmark.errors import CapacityError
+from meshmark.errors import CapacityError, InputError
 from meshmark.geometry.kd_tree import kd_tree
 from meshmark.geometry.similarity import Similarity, rotation_of
 from meshmark.marking import authenticate, marked_again, original_recovery, recover
@@ -82,3 +83,13 @@ def test_without_a_mark_nothing_is_recovered(monkeypatch):
     found = recover(bumped()[0], KEY, original=original())
     assert found.mesh is None
     assert found.advice == "No mark of this key was found."
+
+
+def test_the_marked_copy_serves_as_well_as_the_original_and_not_beside_it():
+    edited, bump = bumped()
+    found = recover(edited, KEY, copy=marked_pebble().mesh)
+    assert (found.restored_from, found.vertices_moved) == ("marked_copy", bump.sum())
+    assert np.array_equal(found.mesh.vertices, marked_pebble().mesh.vertices)
+    assert recover(edited, KEY, copy=Mesh(*pebble(40))).advice.startswith("The marked copy does not fit")
+    with pytest.raises(InputError, match="exclude each other"):
+        recover(edited, KEY, copy=marked_pebble().mesh, original=original())

@@ -213,8 +213,10 @@ def test_the_certificate_and_the_original_read_the_mark_of_a_part():
 
 @pytest.mark.parametrize("kind", ["certificate", "original"])
 def test_what_is_left_of_a_model_is_read_with_a_reference(kind):
-    made = marked("frustum")
-    reference = made.certificate if kind == "certificate" else Mesh(*SHAPES["frustum"])
+    # With the original there are more ways to read, the fewer the smaller it is.
+    name = "frustum" if kind == "certificate" else "ball"
+    made = marked(name)
+    reference = made.certificate if kind == "certificate" else Mesh(*SHAPES[name])
     mesh = turned(made.mesh)
     middles = mesh.vertices[mesh.faces].mean(axis=1)
     away = np.linalg.norm(middles - middles[0], axis=1)

@@ -40,8 +40,8 @@ class Recovery:
     mesh: the model with its altered parts brought back, as it is where nothing was altered; None where that cannot
     be done. altered_area_fraction: of the suspect's surface, 0 to 1. vertices_moved: of those that stay;
     vertices_removed, faces_added. lost: names of what the file held that one with other faces cannot.
-    restored_from: "miniature", "marked_copy" (made again from the original) or "original" (unmarked); None where
-    nothing was brought back. intact_rms_over_diagonal: how far intact vertices lie from the copy made again.
+    restored_from: "miniature", "marked_copy" (or one made again from the original) or "original" (unmarked); None
+    where nothing was brought back. intact_rms_over_diagonal: how far intact vertices lie from the copy made again.
     advice: one sentence for the reader.
     """
 

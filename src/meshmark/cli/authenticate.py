@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -23,12 +24,15 @@ from meshmark.cli.output import answer, described, say
 from meshmark.cli.paths import naming, staged
 from meshmark.cli.progress import progress
 from meshmark.cli.references import check_references, load_reference
+from meshmark.cli.registry_option import RegistryIn, open_registry
 from meshmark.cli.report_origin import report_origin
 
 if TYPE_CHECKING:
+    from meshmark.coding.keys import Key
     from meshmark.io import Staging
-    from meshmark.marking import Authentication
+    from meshmark.marking import Authentication, Certificate
     from meshmark.mesh import Mesh
+    from meshmark.registry.registry import Registry
     from meshmark.report.provenance import Provenance
 
 __all__ = ["VERDICT_CODES", "authenticate"]
@@ -49,6 +53,7 @@ def authenticate(
     key: KeyFile,
     certificate: CertificateIn = None,
     original: OriginalIn = None,
+    registry: RegistryIn = None,
     map_: Annotated[
         Path | None,
         typer.Option("--map", metavar="OUT.ply", help="Also write the model with its altered parts in red."),
@@ -69,6 +74,7 @@ def authenticate(
 
     Neither the original nor a certificate is needed. Turning, resizing, another order of vertices and other
     formats are no changes. The map is a PLY with IN's vertices in their order, colours, and a property `altered`.
+    With --registry the recipient of the copy is named, and its certificate is looked up where no marks are found.
 
     Exit code 0: authentic; 1: altered, not marked with this key, or no payload to write; 3: the surface is intact
     but the file shows something else (morph weights, a pose, another scene, hidden faces), or inconclusive: only
@@ -82,10 +88,17 @@ def authenticate(
     secret = Key.load(key, force=force)
     mesh = read_model(model, format, staging)
     reference = load_reference(certificate, original, staging)
-    from meshmark.marking import authenticate as judge
+    recipient = None
+    with ExitStack() as stack:
+        stack.enter_context(progress("checking the marks"))
+        stack.enter_context(naming(named(model)))
+        if registry:
+            opened = stack.enter_context(open_registry(registry))
+            found, recipient = _registered(mesh, secret, reference, opened)
+        else:
+            from meshmark.marking import authenticate as judge
 
-    with progress("checking the marks"), naming(named(model)):
-        found = judge(mesh, secret, reference=reference)
+            found = judge(mesh, secret, reference=reference)
     with staging:
         if map_ is not None:
             _write_map(mesh, found, map_, staging)
@@ -93,10 +106,11 @@ def authenticate(
             origin = report_origin(mesh, model, secret, certificate=certificate, original=original)
             _write_page(mesh, found, origin, report, staging)
         complete = payload is None or _write_payload(found, payload, staging)
+    issued = "" if recipient is None else f" The copy was issued to {recipient}."
     answer(
-        f"{_WORDS[found.verdict]}: {named(model)}. {found.advice}{_chance(found, diagnose)}",
+        f"{_WORDS[found.verdict]}: {named(model)}. {found.advice}{issued}{_chance(found, diagnose)}",
         described(
-            found.to_dict(diagnose=diagnose) if as_json else {},
+            {**found.to_dict(diagnose=diagnose), "recipient": recipient} if as_json else {},
             model,
             {"map": map_, "report": report, "payload": payload if complete else None},
             secret,
@@ -104,6 +118,29 @@ def authenticate(
         as_json,
     )
     return VERDICT_CODES[found.verdict] or (0 if complete else 1)
+
+
+def _registered(
+    mesh: Mesh, key: Key, reference: Certificate | Mesh | None, registry: Registry
+) -> tuple[Authentication, str | None]:
+    """Return what the marks say, and to whom the copy went.
+
+    Where no marks are found the certificate of the copy tells whether there were some.
+    """
+    from meshmark.marking import authenticate as judge
+    from meshmark.registry.copy_of import certificate_of, copy_of
+
+    found = judge(mesh, key, reference=reference)
+    if reference is None and found.verdict in ("not_marked", "inconclusive"):
+        identity = found.id
+        if identity is None:
+            copy = copy_of(mesh, key, registry)
+            identity = None if copy is None else copy.id
+        certificate = None if identity is None else certificate_of(identity, key, registry)
+        if certificate is not None:
+            found = judge(mesh, key, reference=certificate)
+    recipients = () if found.id is None else registry.recipients([found.id], key.fingerprint)
+    return found, next(iter(recipients), None)
 
 
 def _write_map(mesh: Mesh, found: Authentication, path: Path, staging: Staging) -> None:

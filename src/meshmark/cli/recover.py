@@ -22,12 +22,17 @@ from meshmark.cli.output import answer, described, percent, plural, say
 from meshmark.cli.paths import naming, staged, written_beside
 from meshmark.cli.progress import progress
 from meshmark.cli.references import load_reference
+from meshmark.cli.registry_option import RegistryIn, open_registry
 from meshmark.cli.report_origin import written_origin
+from meshmark.coding.message import format_id
+from meshmark.errors import InputError
 
 if TYPE_CHECKING:
+    from meshmark.coding.keys import Key
     from meshmark.io import Staging
     from meshmark.marking import Authentication, Recovery
     from meshmark.mesh import Mesh
+    from meshmark.registry.registry import Registry
     from meshmark.report.provenance import Provenance
 
 __all__ = ["recover"]
@@ -56,6 +61,7 @@ def recover(
     ] = None,
     report: ReportOut = None,
     original: _Original = None,
+    registry: RegistryIn = None,
     format: ModelFormatIn = None,
     force: ForceKeyed = False,
     as_json: AsJson = False,
@@ -64,7 +70,8 @@ def recover(
 
     The intact part carries a miniature of the whole: moved parts return to it, foreign ones are cut out, holes are
     filled. With the original, altered vertices return to where they were signed off, and what is gone comes back.
-    All else stays as it is. Where nothing was altered OUT is a copy of IN.
+    All else stays as it is. Where nothing was altered OUT is a copy of IN. With --registry they come from the file
+    of the marked copy, which has to be where it was written.
 
     Exit code 1: it cannot be recovered, and nothing is written.
     """
@@ -79,11 +86,17 @@ def recover(
     mesh = read_model(model, format, staging)
     reference = load_reference(certificate)
     source = None if original is None else read_model(original, None, staging)
+    copy = None
+    if registry:
+        if source is not None:
+            raise InputError("--original and --registry exclude each other, expected one of them")
+        with progress("looking for the copy"), naming(named(model)), open_registry(registry) as opened:
+            copy = _marked_copy(mesh, secret, opened, staging)
     from meshmark.marking import authenticate as judge
     from meshmark.marking import recover as bring_back
 
     with progress("recovering"), naming(named(model)):
-        found = bring_back(mesh, secret, reference=reference, original=source)
+        found = bring_back(mesh, secret, reference=reference, original=source, copy=copy)
     if found.mesh is None:
         fields = described(found.to_dict(), model, key=secret)
         answer(f"Not recovered: {named(model)}. {found.advice}", fields, as_json)
@@ -113,6 +126,29 @@ def recover(
         words, described(fields, model, {"model": out, "picture": picture, "report": report}, secret), as_json
     )
     return 0
+
+
+def _marked_copy(mesh: Mesh, key: Key, registry: Registry, staging: Staging) -> Mesh:
+    """Return the marked copy of the registry that a suspect was; raises `InputError` where it is not there."""
+    from meshmark.io.file_digest import digest_of_file
+    from meshmark.registry.copy_of import copy_of
+
+    found = copy_of(mesh, key, registry)
+    if found is None:
+        raise InputError(
+            "the registry names no single copy that the model was, expected --original MODEL instead"
+        )
+    path = None if found.path is None else Path(found.path)
+    if path is None or not path.is_file():
+        where = "not known" if path is None else f"no longer {path}"
+        raise InputError(
+            f"the file of the copy with the id {format_id(found.id)} is {where}, expected --original MODEL instead"
+        )
+    if digest_of_file(path) != found.marked_digest:
+        raise InputError(
+            f"{path} was changed since it was marked, expected --original MODEL instead", file=path
+        )
+    return read_model(path, None, staging)
 
 
 class _Shown(NamedTuple):

@@ -59,7 +59,10 @@ class PlanePatches:
         size = (len(faces), len(faces))
         graph = coo_array((np.ones(int(flat.sum()), np.int8), (one[flat], other[flat])), shape=size)
         count, label = connected_components(graph)
-        pairs = np.unique(np.stack([np.repeat(label, 3), faces.ravel()], axis=1), axis=0)
+        beside = np.bincount(label, minlength=count)[label] > 1  # one face has too few points
+        # Each point of each patch once.
+        code = np.unique(np.repeat(label[beside], 3).astype(np.int64) * len(points) + faces[beside].ravel())
+        pairs = np.stack(np.divmod(code, max(len(points), 1)), axis=1)
         sizes = np.bincount(pairs[:, 0], minlength=count)
         off = np.sqrt(_square_off(points[pairs[:, 1]], pairs[:, 0], count) / np.maximum(sizes, 1))
         kept = (sizes >= _LEAST) & (off <= _OFF)

@@ -20,7 +20,7 @@ __all__ = ["surface_basis"]
 REACH = 2.1
 # A point has its own node at least with this weight.
 LEAST = 1e-6
-# Nodes whose points are looked up at once: a list of them takes several times what is kept.
+# Nodes whose points are looked up at once: a table of them takes several times what is kept.
 BLOCK = 256
 
 
@@ -32,9 +32,11 @@ def surface_basis(points: FloatArray, normals: FloatArray, pitch: float) -> sp.c
     nodes, owner = _nodes(points, normals, pitch)
     tree, rows, columns, values = kd_tree(points), [], [], []
     for block in blocks(len(nodes), BLOCK):
-        near = kd_tree(points[nodes[block]]).query_ball_tree(tree, REACH * pitch)
-        row = np.concatenate([np.asarray(each, dtype=np.int32) for each in near])
-        column = np.repeat(np.arange(len(nodes), dtype=np.int32)[block], [len(each) for each in near])
+        near = kd_tree(points[nodes[block]]).sparse_distance_matrix(
+            tree, REACH * pitch, output_type="ndarray"
+        )
+        row = near["j"].astype(np.int32)
+        column = near["i"].astype(np.int32) + np.int32(block.start)
         apart = points[row] - points[nodes[column]]
         inside = np.maximum(1.0 - np.einsum("ij,ij->i", apart, apart) / (REACH * pitch) ** 2, 0.0)
         facing = np.maximum(np.einsum("ij,ij->i", normals[row], normals[nodes[column]]), 0.0)

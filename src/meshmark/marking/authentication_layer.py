@@ -11,29 +11,24 @@ from itertools import islice
 import numpy as np
 
 from meshmark.authentication.examination import examine
-from meshmark.authentication.marks.mending import mended
-from meshmark.authentication.marks.plan import mark, plan
+from meshmark.authentication.marks.plan import plan
 from meshmark.authentication.marks.planning import Planned, plans
-from meshmark.authentication.marks.signed_word import signed_word
-from meshmark.authentication.payload.content import content_for
-from meshmark.authentication.payload.payload import Payload, SymbolSource, encoder, unpack
-from meshmark.authentication.payload.signed_totals import Whole, whole_of
 from meshmark.coding.keys import Key
 from meshmark.errors import CapacityError
-from meshmark.geometry.surface_of import surface_of, surface_of_moved
-from meshmark.io.file_precision import conform
+from meshmark.geometry.surface_of import surface_of
+from meshmark.marking.bearing_plan import bearing, mended_plan
 from meshmark.marking.embedding_result import AuthenticationMark
 from meshmark.marking.mark_request import MarkRequest
 from meshmark.marking.promises import broken_by
 from meshmark.marking.unread_marks import BrokenError, IdLostError, UnplacedError, UnreadError
 from meshmark.marking.verification import authentic
+from meshmark.marking.written_marks import Base, write_marks
 from meshmark.mesh import Mesh
 from meshmark.ownership.extraction import extract, find
-from meshmark.ownership.ownership_mark import OwnershipMark
 from meshmark.ownership.search.search import Search
 from meshmark.scene.distinct import as_shown, scene_of
 
-__all__ = ["Authenticated", "Base", "with_authentication"]
+__all__ = ["Authenticated", "with_authentication"]
 
 # Choices of marks that are looked at for each precision, and how many of those that carry the id are made and read
 # back. Most choices of a small model leave out a piece of the id.
@@ -42,31 +37,10 @@ _CHOICES, _READ = 8, 3
 _LOST = 6
 # Choices that are made and read back at most.
 _TRIES = 12
-# How often marks near points that a promised rounding alters are chosen anew, where at most this share of all is.
-_MENDED, _FEW = 3, 1e-3
+# How often marks near points that an examination finds altered by a promised rounding are chosen anew.
+_MENDED = 3
 # Share of the points below which a remark says how many are in the ring of a mark.
 _WATCHED = 0.9
-_NO_PAYLOAD = (
-    "the model is too small for a payload beside its marks of authentication, so no part can be recovered"
-)
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Base:
-    """What the layer goes onto.
-
-    original: the unmarked mesh, whose file rounds positions. mesh: the same with the layer below, if there is one.
-    below: the mark of the layer below, which carries the id, so that this one need not; None without one.
-    """
-
-    original: Mesh
-    mesh: Mesh
-    below: OwnershipMark | None
-
-    @property
-    def has_id(self) -> bool:
-        """Whether the layer below carries the id."""
-        return self.below is not None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -174,17 +148,16 @@ def _without_frames(error: CapacityError) -> CapacityError:
 
 def _mended(base: Base, request: MarkRequest, chosen: Planned, *, wary: bool) -> Authenticated:
     """Return the marks of a plan, with others where a few do not bear what is promised: that is seen at once."""
+    chosen = bearing(base, request, chosen)
     for _ in range(_MENDED):
         try:
             return _bound_or_not(base, request, chosen, wary=wary)
         except BrokenError as error:
-            few = max(_FEW * len(error.altered), 2.0)
-            if len(error.altered) != len(chosen.plan.surface.points) or error.altered.sum() > few:
+            written = replace(chosen, content=error.content)
+            again = mended_plan(request, written, error.unread, np.zeros(len(error.unread), bool))
+            if again is None:
                 raise
-            again = mended(chosen.plan, request.key, error.altered, chosen.precision.style)
-            if again.carries_id != chosen.plan.carries_id:
-                raise
-            chosen = replace(chosen, plan=again, content=error.content)
+            chosen = again
     return _bound_or_not(base, request, chosen, wary=wary)
 
 
@@ -210,21 +183,8 @@ def _marked(base: Base, request: MarkRequest, planned: Planned, *, bound: bool, 
     bound: their symbols are bound to their places, which the marks of small models cannot tell. wary: other choices
     took the id below away, so that it is looked for at once.
     """
-    surface, precision = planned.plan.surface, planned.precision
-    web = not precision.style.pull
-    whole = whole_of(surface, precision.error, scene_of(planned.mesh), web=web)
-    whole = replace(whole, shown=request.shown, once=planned.plan.once)
-    payload, source, remarks = _payload(planned, request, whole)
-    nonce = request.id
-    if planned.plan.layout.pieces_only:
-        nonce = signed_word(request.key, request.id, whole.points)
-    marked = mark(planned.plan, request.key, nonce, source, bound=bound)
-    moved = (marked.points != surface.points).any(axis=1)[surface.point_of_vertex]
-    vertices = np.where(moved[:, None], marked.points[surface.point_of_vertex], planned.mesh.vertices)
-    result = planned.mesh.with_vertices(conform(base.original, vertices))
-    surface_of_moved(
-        result, planned.mesh
-    )  # remembered, so that `examine` welds only what rounding has joined
+    written = write_marks(base, request, planned, bound=bound)
+    result, precision, remarks = written.mesh, planned.precision, written.remarks
     # Marks that do not tell the id have `examine` read the layer below.
     at_once = wary or planned.plan.layout.pieces_only or not planned.plan.carries_id
     if at_once:
@@ -236,11 +196,11 @@ def _marked(base: Base, request: MarkRequest, planned: Planned, *, bound: bool, 
         raise UnreadError(
             "the marks of authentication cannot be read back from the positions the file can hold"
         )
-    if found.payload != payload:
+    if found.payload != written.payload:
         raise UnreadError("the payload cannot be read back from the marked model")
     broken = broken_by(result, request.key, request.id, precision.bears, precision.error)
     if broken is not None:
-        raise BrokenError(broken.called, broken.altered, payload.content)
+        raise BrokenError(broken.called, broken.unread, written.payload.content)
     carriers = 0
     if base.has_id:
         if not at_once:
@@ -258,8 +218,8 @@ def _marked(base: Base, request: MarkRequest, planned: Planned, *, bound: bool, 
     if precision.remark is not None:
         remarks += (precision.remark,)
     made = AuthenticationMark(
-        marks=marked.count,
-        payload_bytes=len(payload.content),
+        marks=written.marked.count,
+        payload_bytes=len(written.payload.content),
         tolerance=request.tolerance or "default",
     )
     return Authenticated(mesh=result, mark=made, remarks=remarks, carriers=carriers)
@@ -282,18 +242,3 @@ def _check_below(base: Base, result: Mesh, request: MarkRequest) -> None:
     )
     if find(search).id != request.id:
         raise IdLostError("the id cannot be read beside the marks of authentication")
-
-
-def _payload(
-    planned: Planned, request: MarkRequest, whole: Whole
-) -> tuple[Payload, SymbolSource, tuple[str, ...]]:
-    """Return the payload as it will be read back, its symbols, and remarks about what was left out."""
-    plan = planned.plan
-    if plan.layout.pieces_only:
-        signed = Payload(kind="none", content=b"", whole=Whole(points=whole.points))
-        return signed, lambda index: np.zeros(len(index), np.uint16), (_NO_PAYLOAD,)
-    symbols = len(np.unique(plan.payload_index))
-    packed, remarks = content_for(
-        request.content, plan.surface, whole, (symbols, plan.symbol_bits), made=planned.content
-    )
-    return unpack(packed), encoder(packed, plan.symbol_bits, symbols), remarks

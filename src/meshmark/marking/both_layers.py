@@ -12,13 +12,14 @@ from meshmark.authentication.shown_otherwise import packed_deviations
 from meshmark.coding.keys import Key
 from meshmark.coding.message import ID_BITS, told_id
 from meshmark.errors import CapacityError
-from meshmark.marking.authentication_layer import Base, with_authentication
+from meshmark.marking.authentication_layer import with_authentication
 from meshmark.marking.embedding_result import Embedding
 from meshmark.marking.fewer_bits import fewer_bits_that_fit
 from meshmark.marking.mark_request import WEB_FORMATS, MarkRequest
 from meshmark.marking.marked_parts import parts_in_words, with_parts_read
 from meshmark.marking.repeated_mesh import embed_repeated
 from meshmark.marking.verification import verify
+from meshmark.marking.written_marks import Base
 from meshmark.mesh import Mesh
 from meshmark.ownership.embedding import Owned
 from meshmark.ownership.vertex_displacement import displacement_rms, vertex_displacement

@@ -16,6 +16,7 @@ from meshmark.authentication.part_recovery import Recovery, recover_by_miniature
 from meshmark.authentication.recovered_file import in_file
 from meshmark.certificate.certificate import Certificate
 from meshmark.coding.keys import Key
+from meshmark.errors import InputError
 from meshmark.geometry.extent import diagonal
 from meshmark.geometry.frame import Frame
 from meshmark.geometry.similarity import Similarity
@@ -43,14 +44,19 @@ _COPY, _MARKED = 1e-4, 6e-3
 
 @on_one_thread
 def recover(
-    mesh: Mesh, key: Key, *, reference: Certificate | Mesh | None = None, original: Mesh | None = None
+    mesh: Mesh,
+    key: Key,
+    *,
+    reference: Certificate | Mesh | None = None,
+    original: Mesh | None = None,
+    copy: Mesh | None = None,
 ) -> Recovery:
     """Return the mesh with altered parts brought back, and everything else bit by bit as it is.
 
-    Without the original moved parts return to the miniature that the intact part carries, foreign ones go, holes
-    are filled. With it, altered vertices return to their places in the marked copy, which is made again from the
-    original, and what is gone comes back, vertex for vertex; where that copy cannot be made again, to their places
-    in the original.
+    Without the original or the marked copy moved parts return to the miniature that the intact part carries,
+    foreign ones go, holes are filled. With the marked copy altered vertices return to their places in it, and what
+    is gone comes back, vertex for vertex. So they do with the original, from which that copy is made again; where
+    it cannot be, to their places in the original.
 
     Parameters
     ----------
@@ -63,6 +69,8 @@ def recover(
         also saves the search for strength and layers.
     original : Mesh, optional
         The unmarked original that parts are taken from.
+    copy : Mesh, optional
+        The marked copy, as it was signed off, that parts are taken from instead.
 
     Returns
     -------
@@ -71,8 +79,13 @@ def recover(
     Raises
     ------
     InputError
-        The mesh or the original has no surface, or the certificate of this key was edited.
+        The mesh, the original or the copy has no surface, the certificate of this key was edited, or both the
+        original and a copy are given.
     """
+    if original is not None and copy is not None:
+        raise InputError("the original and a marked copy exclude each other, expected one of them")
+    if copy is not None:
+        return _from_copy(mesh, key, reference, copy)
     if original is None:
         return recover_by_miniature(mesh, key, reference=reference)
     start = perf_counter()
@@ -100,6 +113,24 @@ def recover(
     if placed is None:
         return unrecovered(share, "The original does not fit what is intact of the model.", start)
     return _restored(suspect, whole, placed, exact=again is not None, key=key, start=start)
+
+
+def _from_copy(mesh: Mesh, key: Key, reference: Certificate | Mesh | None, copy: Mesh) -> Recovery:
+    """Return the mesh with altered parts as the marked copy has them."""
+    start = perf_counter()
+    found = examine(mesh, key, reference)
+    if found.marked and not found.altered.any() and not found.points_missing:
+        return Recovery(mesh=mesh, advice="Nothing was altered.", seconds=perf_counter() - start)
+    share = float(found.surface.point_shares[found.altered].sum()) if found.marked else 0.0
+    if (distinct(mesh) is None) != (distinct(copy) is None):
+        return unrecovered(
+            share, "Only one of the model and its marked copy shows a mesh several times.", start
+        )
+    suspect = _Suspect(mesh=mesh, found=found, original=copy)
+    placed = suspect.placed(copy, _COPY)
+    if placed is None:
+        return unrecovered(share, "The marked copy does not fit what is intact of the model.", start)
+    return _restored(suspect, copy, placed, exact=True, key=key, start=start)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -177,7 +208,7 @@ def _restored(
     added = int(made.added.sum())
     if not (file.moved or file.removed or added):
         return Recovery(mesh=suspect.mesh, advice="Nothing was altered.", seconds=perf_counter() - start)
-    advice = "The altered parts are back as they were signed off: the marked copy was made again from the original."
+    advice = "The altered parts are back as they were signed off, from the marked copy."
     if not exact:
         advice = (
             "The altered parts are back as the unmarked original has them: the marked copy could not be made again "
@@ -185,7 +216,7 @@ def _restored(
         )
     elif suspect.found.marked and not authentic(examine(file.mesh, key), suspect.found.id or 0):
         advice = (
-            "The altered parts are back as a copy made again from the original has them; the model does not pass "
+            "The altered parts are back as the marked copy has them; the model does not pass "
             "as signed off, since it was rounded, or marked with other options."
         )
     lost = losses(file.mesh)

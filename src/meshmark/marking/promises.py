@@ -5,7 +5,7 @@ Each but the turned one is the same function of a file whoever applies it: what 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Final
 
@@ -19,7 +19,7 @@ from meshmark.marking.verification import authentic
 from meshmark.mesh import FloatArray, IntArray, Mesh
 from meshmark.scene.distinct import as_shown
 
-__all__ = ["ROUNDINGS", "Broken", "broken_by"]
+__all__ = ["ROUNDINGS", "Broken", "broken_by", "rounded_by"]
 
 Rounding = Callable[[FloatArray], FloatArray]
 # What changes no coordinate by more than this share of what the marks are made for is not tried.
@@ -125,32 +125,42 @@ ROUNDINGS: Final[dict[str, tuple[Rounding, str]]] = {
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Broken:
-    """called: the rounding after which a mesh is not authentic; altered: (p,) the points that are then."""
+    """called: the rounding after which a mesh is not authentic; unread: (p,) the points without a mark then,
+    all that are altered where there is no such point.
+    """
 
     called: str
-    altered: NDArray[np.bool_]
+    unread: NDArray[np.bool_]
+
+
+def rounded_by(vertices: FloatArray, bears: Iterable[str], error: float) -> Iterator[tuple[str, FloatArray]]:
+    """Yield what each of `ROUNDINGS`, of those named, is called, and vertices (n, 3) that are rounded so.
+
+    Those that change most come first, those that change next to nothing do not. error: of a coordinate, that the
+    marks are made for, in scene units.
+    """
+    changes: list[tuple[float, str]] = []
+    for name in bears:
+        change = error
+        if name != "turned":
+            change = float(np.abs(ROUNDINGS[name][0](vertices) - vertices).max())
+        if name == "turned" or change > _HARMLESS * error:
+            changes.append((change, name))
+    for _, name in sorted(changes, key=lambda each: -each[0]):
+        rounding, called = ROUNDINGS[name]
+        yield called, rounding(vertices)
 
 
 def broken_by(mesh: Mesh, key: Key, identity: int, bears: Iterable[str], error: float) -> Broken | None:
-    """Return one of `ROUNDINGS`, of those named, after which a mesh is not authentic.
+    """Return one of `ROUNDINGS`, of those named, after which a mesh is not authentic (see `rounded_by`).
 
-    Those that change most are tried first. None where the marks bear them all. error: of a coordinate, that the
-    marks are made for, in scene units.
+    None where the marks bear them all.
     """
-    rounded: list[tuple[float, str, FloatArray]] = []
-    for name in bears:
-        rounding, called = ROUNDINGS[name]
-        vertices = rounding(mesh.vertices)
-        if name == "turned":
-            rounded.append((error, called, vertices))
-            continue
-        change = float(np.abs(vertices - mesh.vertices).max())
-        if change > _HARMLESS * error:
-            rounded.append((change, called, vertices))
-    for _, called, vertices in sorted(rounded, key=lambda each: -each[0]):
+    for called, vertices in rounded_by(mesh.vertices, bears, error):
         again = mesh.with_vertices(vertices)
         surface_of_moved(again, mesh)  # remembered, so that `examine` need not weld it
         found = examine(as_shown(again), key, made=identity)
         if not authentic(found, identity):
-            return Broken(called=called, altered=found.altered)
+            unread = found.altered & found.checks.eligible & ~found.checks.verified
+            return Broken(called=called, unread=unread if unread.any() else found.altered)
     return None

@@ -23,8 +23,8 @@ class UnplacedError(UnreadError):
 
 
 class BrokenError(UnreadError):
-    """A rounding that the tolerance promises to bear, `called` so, alters the points `altered` (p,)."""
+    """A rounding that the tolerance promises to bear leaves the points `unread` (p,) without a mark."""
 
-    def __init__(self, called: str, altered: NDArray[np.bool_], content: bytes) -> None:
+    def __init__(self, called: str, unread: NDArray[np.bool_], content: bytes) -> None:
         super().__init__(f"the marks of authentication would not survive {called}, as the tolerance promises")
-        self.altered, self.content = altered, content
+        self.unread, self.content = unread, content

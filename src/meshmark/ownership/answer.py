@@ -45,7 +45,10 @@ def extraction_of(found: Found, codec: Codec, mode: str, seconds: float) -> Extr
 
 
 def _in_words(found: Found, mode: str, agreeing: int) -> tuple[str, str]:
-    """Return presence and advice; agreeing: cells that say the bits of the id."""
+    """Return presence and advice; agreeing: cells that say the bits of the id.
+
+    The advice is part of what strangers are told: a number that changes with each edit would lead them to the mark.
+    """
     if len(found.ids) > 1:
         return (
             "present",
@@ -54,7 +57,7 @@ def _in_words(found: Found, mode: str, agreeing: int) -> tuple[str, str]:
     if found.ids and agreeing < LARGELY * found.carriers:
         return (
             "present",
-            f"The mark was read, though only {agreeing} of its {found.carriers} places still agree"
+            "The mark was read, though many of its places no longer agree"
             f"{'; it carries no id' if found.ids == (PRESENCE,) else ''}.",
         )
     if found.ids:

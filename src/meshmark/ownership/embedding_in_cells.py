@@ -31,7 +31,7 @@ from meshmark.ownership.parameters import (
 from meshmark.ownership.search.search import Search
 from meshmark.ownership.search.trials import TrialCounter
 from meshmark.ownership.shaping import Shaping
-from meshmark.ownership.shortfall import Counted, too_long, what, why_not
+from meshmark.ownership.shortfall import Counted, Surroundings, too_long, what, why_not
 from meshmark.ownership.vertex_displacement import displacement_rms
 
 __all__ = ["embed_in_cells"]
@@ -50,22 +50,21 @@ def embed_in_cells(task: EmbeddingTask, *, still: NDArray[np.bool_] | None = Non
     longest = task.surface.mean_face_length / patch
     if longest > LONG_EDGES[1]:
         raise CapacityError(too_long(longest, task.bits, task.strength))
-    nearest: tuple[tuple[bool, int], str] | None = None
+    nearest: tuple[Surroundings, Counted, bool] | None = None
     least = CARRIER_MINIMUM[task.bits]
     for shaping in _shapings(task, one=longest > LONG_EDGES[0], still=still):
         carriers = shaping.carriers if shaping.capacity >= least else shaping.capacity
         tried = carriers >= least and shaping.bits >= HOPELESS_BITS[task.bits]
-        if nearest is None or (tried, carriers) > nearest[0]:
+        if nearest is None or (tried, carriers) > (nearest[2], nearest[1].carriers):
             counted = Counted(
                 bits=task.bits, carriers=carriers, capacity=shaping.capacity, strength=task.strength
             )
-            reason = why_not(shaping.surroundings, counted, tried)
-            nearest = (tried, carriers), reason
+            nearest = shaping.surroundings, counted, tried
         if tried and (found := _read_back(task, shaping)) is not None:
             return found
-    raise CapacityError(
-        nearest[1] if nearest is not None else f"the model has no surface that could carry {what(task.bits)}"
-    )
+    if nearest is None:
+        raise CapacityError(f"the model has no surface that could carry {what(task.bits)}")
+    raise CapacityError(why_not(*nearest))
 
 
 def _shapings(task: EmbeddingTask, *, one: bool, still: NDArray[np.bool_] | None) -> Iterator[Shaping]:

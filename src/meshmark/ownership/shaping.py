@@ -39,7 +39,7 @@ from meshmark.ownership.parameters import (
     SOLVE_PASSES,
     SOLVE_TOLERANCE,
 )
-from meshmark.ownership.shortfall import Surroundings, surroundings_of
+from meshmark.ownership.shortfall import Surroundings
 
 __all__ = ["Shaping"]
 
@@ -120,10 +120,10 @@ class Shaping:
             low, high = (middle, high) if self.expected_cosine(step, middle) >= needed else (low, middle)
         return low
 
-    @property
+    @cached_property
     def surroundings(self) -> Surroundings:
         """What the cells see of the surface, to say why there are too few that carry."""
-        return surroundings_of(self._all, self._placed, self._surface.faces)
+        return Surroundings(cells=self._all, placed=self._placed, faces=self._surface.faces)
 
     def rms(self, step: float) -> float:
         """Return the first-order RMS displacement in scene units, over vertices or over area: the larger.

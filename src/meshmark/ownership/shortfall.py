@@ -2,35 +2,67 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from meshmark.geometry.areas import face_areas, face_lengths
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.ownership.carriers.cells import PLANE_MASS, Cells
 from meshmark.ownership.parameters import CARRIER_MINIMUM, EXTRACT_SELECTION
 
-__all__ = ["Counted", "Surroundings", "surroundings_of", "too_long", "what", "why_not"]
+__all__ = ["Counted", "Surroundings", "too_long", "what", "why_not"]
 
 _SUBDIVIDE = "subdividing it once or twice first helps"
 _STRONGER = {"subtle": "standard", "standard": "strong"}
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Surroundings:
-    """What the cells of a lattice see of a surface.
+    """What the cells of a lattice see of a surface; measured when it is asked for.
 
-    folded: share of the surface, 0 to 1, in cells where faces point in too many directions; scattered: share in
-    cells that hold too little surface. doubled: share in faces that are there more than once, as those of models
-    with an inner and an outer side are. longest: mean over the surface of the longest edge of a face, in spacings.
+    cells: all of the lattice. placed: (p, 3) points of the surface in lattice coordinates; faces: (m, 3).
     """
 
-    folded: float
-    scattered: float
-    doubled: float
-    longest: float
+    cells: Cells = field(repr=False)
+    placed: FloatArray = field(repr=False)
+    faces: IntArray = field(repr=False)
+
+    @property
+    def folded(self) -> float:
+        """Share of the surface, 0 to 1, in cells where faces point in too many directions."""
+        return self._shares[0]
+
+    @property
+    def scattered(self) -> float:
+        """Share of the surface, 0 to 1, in cells that hold too little of it."""
+        return self._shares[1]
+
+    @cached_property
+    def doubled(self) -> float:
+        """Share in faces that are there more than once, as those of models with an inner and an outer side are."""
+        ordered = np.sort(self.faces, axis=1)
+        _, place, times = np.unique(ordered, axis=0, return_inverse=True, return_counts=True)
+        return _mean((times[place.reshape(-1)] > 1).astype(np.float64), face_areas(self.placed, self.faces))
+
+    @cached_property
+    def longest(self) -> float:
+        """Mean over the surface of the longest edge of a face, in spacings."""
+        return _mean(face_lengths(self.placed, self.faces), face_areas(self.placed, self.faces))
+
+    @cached_property
+    def _shares(self) -> tuple[float, float]:
+        cells, (mass, flatness, offset) = self.cells, EXTRACT_SELECTION
+        # Where all fluxes cancel, mass and flatness are both 0, and how much surface there is cannot be told.
+        flat = cells.flatness > 0.0
+        surface = np.divide(cells.mass * PLANE_MASS, cells.flatness, out=np.zeros(len(flat)), where=flat)
+        folded = cells.flatness <= flatness
+        # Of a cell beside the surface another one has the surface in its middle.
+        counted = folded | (np.abs(cells.offset) < offset)
+        total = max(float(surface[counted].sum()), np.finfo(float).tiny)
+        scattered = counted & ~folded & (cells.mass <= mass)
+        return float(surface[folded].sum()) / total, float(surface[scattered].sum()) / total
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,26 +75,6 @@ class Counted:
     strength: str
 
 
-def surroundings_of(cells: Cells, placed: FloatArray, faces: IntArray) -> Surroundings:
-    """Measure a surface with points `placed` (p, 3) in lattice coordinates, seen by all its cells."""
-    mass, flatness, offset = EXTRACT_SELECTION
-    # Where all fluxes cancel, mass and flatness are both 0, and how much surface there is cannot be told.
-    flat = cells.flatness > 0.0
-    surface = np.divide(cells.mass * PLANE_MASS, cells.flatness, out=np.zeros(len(flat)), where=flat)
-    folded = cells.flatness <= flatness
-    # Of a cell beside the surface another one has the surface in its middle.
-    counted = folded | (np.abs(cells.offset) < offset)
-    total = max(float(surface[counted].sum()), np.finfo(float).tiny)
-    scattered = counted & ~folded & (cells.mass <= mass)
-    areas = face_areas(placed, faces)
-    return Surroundings(
-        folded=float(surface[folded].sum()) / total,
-        scattered=float(surface[scattered].sum()) / total,
-        doubled=_mean(_repeated(faces).astype(np.float64), areas),
-        longest=_mean(face_lengths(placed, faces), areas),
-    )
-
-
 def what(bits: int) -> str:
     """Return what a model cannot carry, in words."""
     return f"{bits} bits" if bits else "a mark of presence"
@@ -72,12 +84,6 @@ def too_long(longest: float, bits: int, strength: str) -> str:
     """Return the sentence for a surface whose triangles are so long that its cells cannot be set."""
     text = f"the model cannot carry {what(bits)} at strength {strength} in even patches of its surface"
     return f"{text}: its triangles are {longest:.1f} times as long as a patch is wide"
-
-
-def _repeated(faces: IntArray) -> NDArray[np.bool_]:
-    """Return (m,): which faces have the same three points as another one."""
-    _, place, times = np.unique(np.sort(faces, axis=1), axis=0, return_inverse=True, return_counts=True)
-    return np.asarray(times[place.reshape(-1)] > 1)
 
 
 def _mean(values: FloatArray, areas: FloatArray) -> float:

@@ -122,8 +122,7 @@ MEANINGS: Final = {
     ),
     "recovered_copy": Meaning(
         means=(
-            "What is coloured was restored from the marked copy, which was made again from the original; "
-            "everything else is as it was signed off.",
+            "What is coloured was restored from the marked copy; everything else is as it was signed off.",
         ),
         not_means=(
             "How well it fits the signed copy is said above; where libraries round otherwise, last digits "

@@ -41,7 +41,7 @@ def _distance(plan: Plan, start: np.ndarray) -> np.ndarray:
 def test_marks_far_from_the_point_stay_and_those_next_to_it_go(planned):
     for point in some([int(planned.marks[7]), int(planned.surface.graph[[planned.marks[20]]].indices[0])]):
         unread = _at(planned, [point])
-        again = mended(planned, KEY, unread, FINE)
+        again = mended(planned, KEY, unread, _at(planned, []), FINE)
         distance = _distance(planned, unread)
         before, after = (_at(planned, list(each.marks)) for each in (planned, again))
         assert not (before & after & (distance <= 1)).any()
@@ -51,7 +51,7 @@ def test_marks_far_from_the_point_stay_and_those_next_to_it_go(planned):
 
 def test_the_marks_stay_a_maximal_set_without_neighbours_and_are_read(planned):
     unread = _at(planned, planned.marks[::40].tolist())
-    again = mended(planned, KEY, unread, FINE)
+    again = mended(planned, KEY, unread, _at(planned, []), FINE)
     chosen, edges = _at(planned, list(again.marks)), planned.surface.edges
     assert len(np.unique(again.marks)) == len(again.marks)
     assert not chosen[edges].all(axis=1).any()
@@ -64,5 +64,5 @@ def test_the_marks_stay_a_maximal_set_without_neighbours_and_are_read(planned):
 
 def test_mending_repeats(planned):
     unread = _at(planned, [5, 100])
-    one, other = (mended(planned, KEY, unread, FINE) for _ in range(2))
+    one, other = (mended(planned, KEY, unread, _at(planned, []), FINE) for _ in range(2))
     assert np.array_equal(one.marks, other.marks)

@@ -3,13 +3,14 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
 from lxml import etree
 
-from meshmark.research.benchmark.figures.aggregate import robustness
+from meshmark.research.benchmark.figures.aggregate import Robustness, robustness
 from meshmark.research.benchmark.page.calibration import calibration_plot, share_at_or_below
 from meshmark.research.benchmark.page.curves import Series, curve_plot, dot_plot
 from meshmark.research.benchmark.page.drawing import COLOURS, legend
@@ -21,16 +22,24 @@ from tests.research.benchmark.planted import planted_rows
 
 ROOT = Path(__file__).parents[3]
 ROWS = planted_rows(models=16)
-ALL = [f for f in robustness(ROWS) if (f.split, f.size_class, f.budget) == ("test", "all", "standard")]
-SERIES = [Series(Entry(words="ncdg_lv, standard", colour=0), tuple(ALL))]
+
+
+@cache
+def figures() -> list[Robustness]:
+    return [f for f in robustness(ROWS) if (f.split, f.size_class, f.budget) == ("test", "all", "standard")]
+
+
+@cache
+def series() -> list[Series]:
+    return [Series(Entry(words="ncdg_lv, standard", colour=0), tuple(figures()))]
 
 
 def test_attacks_of_several_strengths_have_curves_and_the_others_dots():
-    curves = curve_plot("ber", "t", "c", SERIES, "ber")
+    curves = curve_plot("ber", "t", "c", series(), "ber")
     assert [panel.name for panel in curves.panels] == [
         "ber-noise", "ber-smoothing", "ber-quantisation", "ber-crop", "ber-simplification",
     ]  # fmt: skip
-    (dots,) = dot_plot("dots", "t", "c", SERIES, "recovered").panels
+    (dots,) = dot_plot("dots", "t", "c", series(), "recovered").panels
     words = "".join(etree.fromstring(dots.svg).itertext())
     assert all(name in words for name in ("untouched", "similarity", "through OBJ", "crop 10 % +"))
     assert "quantisation" not in words
@@ -44,10 +53,10 @@ def line_of(svg: str, colour: str) -> list[tuple[float, float]]:
 
 
 def test_a_curve_shows_the_figures_and_distances_on_its_axis_are_true():
-    plot = curve_plot("exact", "t", "c", SERIES, "recovered")
+    plot = curve_plot("exact", "t", "c", series(), "recovered")
     (panel,) = [panel for panel in plot.panels if panel.name == "exact-simplification"]
     x, y = np.array(line_of(panel.svg, COLOURS[0])).T
-    rates = {f.attack: f.recovered.value for f in ALL}
+    rates = {f.attack: f.recovered.value for f in figures()}
     shown = [rates["none"], rates["simplification:0.5"], rates["simplification:0.9"]]
     assert len(set(shown)) > 1
     slope, at_zero = np.polyfit(shown, y, 1)
@@ -59,7 +68,7 @@ def test_a_curve_shows_the_figures_and_distances_on_its_axis_are_true():
 
 
 def test_harm_grows_to_the_right_where_fewer_bits_are_worse():
-    plot = curve_plot("exact", "t", "c", SERIES, "recovered")
+    plot = curve_plot("exact", "t", "c", series(), "recovered")
     (panel,) = [panel for panel in plot.panels if panel.name == "exact-quantisation"]
     x = [x for x, _ in line_of(panel.svg, COLOURS[0])]
     assert len(x) == 3, "no point for untouched models: 0 bits are not the mild end"

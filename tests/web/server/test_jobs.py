@@ -15,6 +15,7 @@ from meshmark.io import read_mesh, write_mesh
 from meshmark.marking import extract
 from meshmark.mesh import Mesh
 from tests.counting import some
+from tests.low_poly import box
 from tests.shapes import pebble
 from tests.web.server.served import wait_for
 
@@ -54,6 +55,20 @@ def test_the_id_is_read_as_the_command_line_reads_it(server, marked_job, marked_
     mine = printed(capsys, "extract", marked_file, "--key", server.key)
     apart = {"input": "", "outputs": {}, "seconds": 0}
     assert {**found["result"], **apart} == {**mine, **apart}
+
+
+def test_a_small_model_carries_an_id_of_32_bits_or_none_where_that_is_asked_for(server, tmp_path):
+    write_mesh(Mesh(*box((2, 2, 2), (3.0, 2.0, 1.3))), tmp_path / "small.ply")
+    short = server.run("embed", tmp_path / "small.ply", bits="32", id="0000beef")
+    assert (short["result"]["id"], short["result"]["bits"]) == ("0000beef", 32)
+    none = server.run("embed", tmp_path / "small.ply", bits="0")
+    assert (none["exit_code"], none["result"]["id"], none["result"]["bits"]) == (0, None, 0)
+    with server.client() as client:
+        answer = server.begin(
+            "embed", tmp_path / "small.ply", client=client, bits="32", id="00000000deadbeef"
+        )
+    assert answer.status_code == 422
+    assert "is one of 64 bits, expected 8 hexadecimal digits" in answer.text
 
 
 def test_the_certificate_takes_the_mark_off(server, marked_job, marked_file, pebble_file, tmp_path):

@@ -14,8 +14,10 @@ from meshmark.authentication.marks.candidates import (
     candidates,
     joined,
     level_of,
+    placed,
 )
 from meshmark.authentication.marks.ring_shapes import RingShapes, in_style
+from meshmark.authentication.marks.ring_ways import Ways, ways
 from meshmark.authentication.marks.rings import Rings
 from meshmark.authentication.marks.words import PURPOSE, bind, symbols_at
 from meshmark.authentication.parameters import (
@@ -33,7 +35,7 @@ from meshmark.coding.keys import Key
 from meshmark.geometry.blocks import blocks
 from meshmark.mesh import FloatArray
 
-__all__ = ["Setting", "all_candidates", "likeliest_setting", "plain_candidates"]
+__all__ = ["Setting", "all_candidates", "likeliest_setting", "plain_candidates", "plain_ways"]
 
 # Points that are tried with every step; more where only one mark in eleven can be read, without the model's id.
 _SAMPLE, _SAMPLE_BLIND = 600, 2500
@@ -162,8 +164,8 @@ def _tried(
         row, column = np.nonzero((level >= LEVELS[0]) & (level <= LEVELS[-1]))
         tried = level[row, column].astype(np.int64)
         shaped = shape.take(row)
-        ways = candidates(points, group.take(row), shaped, tried, subkey, all_ways=False, only=only)
-        parts.append(((level_of(shaped, 1.0) - tried)[ways.ring], ways))
+        found = candidates(points, group.take(row), shaped, tried, subkey, all_ways=False, only=only)
+        parts.append(((level_of(shaped, 1.0) - tried)[found.ring], found))
     return _Tried(found=joined([part[1] for part in parts]), size=np.concatenate([part[0] for part in parts]))
 
 
@@ -216,16 +218,19 @@ def _densest(values: FloatArray) -> tuple[int, int, float, float]:
     return best, best + int(counts[best]), float(good.min()), float(good.max())
 
 
+def plain_ways(rings: Rings, shapes: RingShapes, setting: Setting, subkey: bytes) -> list[Ways]:
+    """Return the one way to read each ring that a file of full precision has, block by block."""
+    level = np.floor(level_of(shapes, setting.unit)).astype(np.int64)
+    possible = np.flatnonzero((level >= LEVELS[0]) & (level <= LEVELS[-1]))
+    rows = [possible[block] for block in blocks(max(len(possible), 1), _BLOCK)]
+    return [ways(rings, shapes, some, level[some], subkey, all_ways=False) for some in rows]
+
+
 def plain_candidates(
     points: FloatArray, rings: Rings, shapes: RingShapes, setting: Setting, subkey: bytes
 ) -> Candidates:
     """Return the one candidate of each ring that a file of full precision has."""
-    level = np.floor(level_of(shapes, setting.unit)).astype(np.int64)
-    possible = np.flatnonzero((level >= LEVELS[0]) & (level <= LEVELS[-1]))
-    plain = [
-        candidates(points, rings.take(rows), shapes.take(rows), level[rows], subkey, all_ways=False)
-        for rows in (possible[block] for block in blocks(max(len(possible), 1), _BLOCK))
-    ]
+    plain = [placed(points, found) for found in plain_ways(rings, shapes, setting, subkey)]
     return as_laid_out(joined(plain), setting.layout)
 
 

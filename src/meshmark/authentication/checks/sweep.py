@@ -10,15 +10,17 @@ from numpy.typing import NDArray
 from meshmark.authentication.checks.carried import Expected
 from meshmark.authentication.checks.likeliest_id import marks_of_ids
 from meshmark.authentication.checks.ring_reading import Read, beyond_luck, read_marks
-from meshmark.authentication.checks.setting_search import Setting, all_candidates, plain_candidates
+from meshmark.authentication.checks.setting_search import Setting, all_candidates, plain_ways
 from meshmark.authentication.marks.candidates import (
     HEADER,
     Beside,
     Candidates,
+    as_laid_out,
     beside,
     eligible,
     joined,
     level_of,
+    placed,
     with_beside,
 )
 from meshmark.authentication.marks.ring_shapes import RingShapes
@@ -29,13 +31,13 @@ from meshmark.coding.keys import Key
 from meshmark.geometry.blocks import blocks
 from meshmark.mesh import FloatArray
 
-__all__ = ["Sweep", "able_rings", "sweep", "vouched"]
+__all__ = ["NEAR", "ROUNDED", "Sweep", "able_rings", "sweep", "vouched"]
 
 # A point counts as covered only where its ring could have had a mark by this much.
 _MARGIN = 1.1
 # Where marks are so far off their whole places at the median, in steps, the file was rounded to few digits. Then
 # the next whole places are tried, too, of marks that are at least this far off.
-_ROUNDED, _NEAR = 0.03, 0.15
+ROUNDED, NEAR = 0.03, 0.15
 # Marks beside those that tell the id on which each likely one is tried.
 _SAMPLE = 600
 # One in this number of these tells most of the wrong ids: those that have less than half as many marks as the best
@@ -85,21 +87,24 @@ def sweep(
     In a file of few digits their next whole places are tried as well. nonce: what marks are bound to; those of
     small models are read without it, too, but report none. payload: see `read_marks`.
     """
-    able = np.zeros(len(points), bool)
+    subkey = key.subkey(PURPOSE)
+    plain = [each for part in parts for each in plain_ways(*part, setting, subkey)]
+    blind = nonce is None and not setting.layout.pieces_only
+    if blind:  # most surfaces have no marks, which a tenth of the readings shows
+        header = joined([placed(points, each.of_kind(HEADER)) for each in plain])
+        if _surely_none(header, read_marks(header, key, setting.layout, None), setting):
+            return None
+    found = as_laid_out(joined([placed(points, each) for each in plain]), setting.layout)
+    del plain
+    able, held = np.zeros((2, len(points)), bool)
     for group, shape in parts:
         able[group.vertex] = able_rings(shape, setting)
-    subkey = key.subkey(PURPOSE)
-    found = joined([plain_candidates(points, *part, setting, subkey) for part in parts])
-    held = np.zeros(len(points), bool)
-    blind = nonce is None and not setting.layout.pieces_only
-    identity, none = _reported_id(found, key, setting) if blind else (nonce, False)
+    identity, none = _reported_id(found, key, setting) if blind else nonce, False
     readable = identity is not None or not blind
     if readable:
         read = read_marks(found, key, setting.layout, identity, payload)
         held[found.vertex[read.holds & ~read.new_boundary]] = True
         none = _surely_none(found, read, setting)
-    elif none:
-        return None
     again = _around(parts, able & ~vouched(parts, held))
     if not readable or (again.any() and not none):
         rest = [
@@ -110,17 +115,17 @@ def sweep(
         ]
         found = joined([found.take(~again[found.vertex]), *rest])
         if blind:
-            identity, _ = _reported_id(found, key, setting)
+            identity = _reported_id(found, key, setting)
         if blind and identity is None:
             return None
         read = read_marks(found, key, setting.layout, identity, payload)
     unread: Beside | None = None
-    rounded = bool(read.holds.any() and np.median(read.off[read.holds]) > _ROUNDED)
+    rounded = bool(read.holds.any() and np.median(read.off[read.holds]) > ROUNDED)
     if rounded:
         held[:] = False
         held[found.vertex[read.holds & ~read.new_boundary]] = True
         again = _around(parts, able & ~vouched(parts, held))
-        first, tries = len(found.vertex), beside(found, again[found.vertex], _NEAR)
+        first, tries = len(found.vertex), beside(found, again[found.vertex], NEAR)
         read = read_marks(found, key, setting.layout, identity, payload, more=tries)
         holds = read.holds & ~(read.new_boundary & (np.arange(len(read.holds)) >= first))
         # So many tries would make holes by chance.
@@ -164,8 +169,8 @@ def _around(parts: _Parts, chosen: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return around
 
 
-def _reported_id(found: Candidates, key: Key, setting: Setting) -> tuple[int | None, bool]:
-    """Return the model's id as the marks report it, and whether there are surely none that could.
+def _reported_id(found: Candidates, key: Key, setting: Setting) -> int | None:
+    """Return the model's id as the marks report it, None where they report none.
 
     Each point has one vote, which the ways to read it share. Of the likely ids it is that with which most of the
     other marks hold.
@@ -173,18 +178,16 @@ def _reported_id(found: Candidates, key: Key, setting: Setting) -> tuple[int | N
     tries = np.bincount(found.vertex)
     header = found.take(found.kind == HEADER)
     read = read_marks(header, key, setting.layout, None)
-    if _surely_none(header, read, setting):
-        return None, True
     header, symbol = header.take(read.holds), read.symbol[read.holds]
     likely = read_header(header.index, symbol, 1.0 / tries[header.vertex], setting.layout.symbol)
     rest = np.flatnonzero(found.kind != HEADER)
     some = found.take(rest[:: max(len(rest) // _SAMPLE, 1)])
     if not likely:
-        return None, False
+        return None
     few = some.take(np.arange(0, len(some.vertex), _SCREENED))
     held = marks_of_ids(few, key, setting.layout, np.array(likely, np.uint64))
     likely = [likely[each] for each in np.flatnonzero(held >= held.max() / 2 - _BY_LUCK)]
     if len(likely) == 1:
-        return likely[0], False
+        return likely[0]
     marks = [read_marks(some, key, setting.layout, each).holds.sum() for each in likely]
-    return likely[int(np.argmax(marks))], False
+    return likely[int(np.argmax(marks))]

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from meshmark.authentication.marks.candidates import HEADER, PAYLOAD, PLACE, Candidates, joined
 from meshmark.authentication.marks.choice import alike, completed, firm_first
 from meshmark.authentication.marks.model_cells import cells_of, masks
-from meshmark.authentication.marks.ring_room import RingRoom
+from meshmark.authentication.marks.ring_room import RingRoom, covered
 from meshmark.authentication.marks.symbols import covers_id, header_symbols, pieces_of_id, place_symbols
 from meshmark.authentication.marks.words import bind, places_of, words_of
 from meshmark.authentication.parameters import (
@@ -98,11 +98,13 @@ class Plan:
 class Marked:
     """A marked surface.
 
-    points: (p, 3). count: marks. bits_per_mark: symbol and MAC; symbol_bits: the symbol alone. step: the smallest
+    points: (p, 3). place: (m, 3) whole numbers, where each mark lies in its ring, in steps less the dither
+    (`Candidates`). count: marks. bits_per_mark: symbol and MAC; symbol_bits: the symbol alone. step: the smallest
     quantiser step, in scene units; no mark has a step 1.42 times as large.
     """
 
     points: FloatArray
+    place: IntArray
     count: int
     bits_per_mark: int
     symbol_bits: int
@@ -175,7 +177,7 @@ def plan(surface: Surface, key: Key, precision: float, choice: int = 0, style: S
                     found=found,
                     layout=layout,
                     unit=unit,
-                    covered=rings.covered(chosen),
+                    covered=covered(surface, chosen),
                 )
     raise CapacityError(
         "the precision of the file is too coarse for invisible marks of authentication, expected more digits"
@@ -221,11 +223,13 @@ def mark(plan: Plan, key: Key, nonce: int, symbols: SymbolSource, *, bound: bool
         cells = cells_of((found.centre[payload] - middle) / radius, layout.symbol)
         symbol[payload] ^= masks(key, nonce, layout.symbol)(found.words[payload, 0], cells)
     words = words_of(symbol, found.boundary, bind(found, key, nonce), layout)
-    change = places_of(words, found.place, layout) - found.place
+    place = places_of(words, found.place, layout)
+    change = place - found.place
     points = surface.points.copy()
     points[found.vertex] += np.einsum("rj,rji->ri", change * found.step[:, None], found.axes)
     return Marked(
         points=points,
+        place=place,
         count=len(found.vertex),
         bits_per_mark=layout.bits,
         symbol_bits=layout.symbol,

@@ -16,10 +16,10 @@ from meshmark.authentication.marks.candidates import (
     joined,
     level_of,
     room,
-    step_of,
 )
 from meshmark.authentication.marks.choice import firm_points
 from meshmark.authentication.marks.ring_shapes import RingShapes, ring_shapes
+from meshmark.authentication.marks.ring_ways import step_of
 from meshmark.authentication.marks.rings import Rings
 from meshmark.authentication.marks.rings_of import rings_of
 from meshmark.authentication.marks.words import PURPOSE
@@ -28,21 +28,26 @@ from meshmark.coding.keys import Key
 from meshmark.geometry.surface import Surface
 from meshmark.mesh import FloatArray
 
-__all__ = ["RingRoom"]
+__all__ = ["RingRoom", "covered"]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class RingRoom:
-    """Rings of p points. parts: the rings by size, with their shapes; unit: the smallest step, in scene units."""
+    """Rings of p points, of all of them or of some. parts: the rings by size, with their shapes; unit: the smallest
+    step, in scene units.
+    """
 
     points: FloatArray
     parts: list[tuple[Rings, RingShapes]]
     unit: float
 
     @staticmethod
-    def of(surface: Surface, unit: float, style: Style) -> RingRoom:
-        """Return the rings of a surface for marks of a style."""
-        parts = [(rings, ring_shapes(surface.points, rings, style)) for rings in rings_of(surface)]
+    def of(surface: Surface, unit: float, style: Style, some: NDArray[np.bool_] | None = None) -> RingRoom:
+        """Return the rings of a surface for marks of a style; those of `some` points (p,) alone, where given."""
+        groups = rings_of(surface)
+        if some is not None:
+            groups = [group.take(some[group.vertex]) for group in groups]
+        parts = [(rings, ring_shapes(surface.points, rings, style)) for rings in groups]
         return RingRoom(points=surface.points, parts=parts, unit=unit)
 
     @cached_property
@@ -52,6 +57,13 @@ class RingRoom:
         for group, shape in self.parts:
             levels[group.vertex] = room(shape, self.unit)
         return levels
+
+    def doubtful(self, levels: int, doubt: float) -> NDArray[np.bool_]:
+        """Return (p,): the points that have it where lengths are off by `doubt` tolerances at most."""
+        allowed = np.zeros(len(self.points), bool)
+        for group, shape in self.parts:
+            allowed[group.vertex] = room(shape, self.unit, doubt=doubt) >= levels
+        return allowed
 
     @cached_property
     def firm(self) -> NDArray[np.bool_]:
@@ -73,14 +85,6 @@ class RingRoom:
         level = np.floor(level_of(shapes, self.unit)).astype(np.int64)
         return candidates(self.points, rings.take(rows), shapes, level, key.subkey(PURPOSE), all_ways=False)
 
-    def covered(self, chosen: NDArray[np.bool_]) -> float:
-        """Return which share of the points that faces use is chosen (p,) or in the ring of one that is."""
-        vouched, used = chosen.copy(), np.zeros(len(chosen), bool)
-        for group, _ in self.parts:
-            used[group.around] = True
-            vouched[group.around[chosen[group.vertex]]] = True
-        return float(vouched.sum() / used.sum())
-
     def rms(self, chosen: NDArray[np.bool_], layout: Layout) -> float:
         """Return the RMS displacement of all points for marks at `chosen` (p,): each axis uniform in its span."""
         square = 0.0
@@ -89,3 +93,12 @@ class RingRoom:
             step = some.size * step_of(np.floor(level_of(some, self.unit)).astype(np.int64))
             square += float(step @ step)
         return sqrt(square * sum(each**2 for each in layout.radix) / 12.0 / len(chosen))
+
+
+def covered(surface: Surface, chosen: NDArray[np.bool_]) -> float:
+    """Return which share of the points that rings use is chosen (p,) or in the ring of one that is."""
+    vouched, used = chosen.copy(), np.zeros(len(chosen), bool)
+    for group in rings_of(surface):
+        used[group.around] = True
+        vouched[group.around[chosen[group.vertex]]] = True
+    return float(vouched.sum() / used.sum())

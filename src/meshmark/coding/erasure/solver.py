@@ -9,12 +9,14 @@ from meshmark.coding.erasure.belief import trust
 from meshmark.coding.erasure.graph import DENSE, Graph, mix
 from meshmark.mesh import IntArray
 
-__all__ = ["eliminate", "peel", "solve"]
+__all__ = ["AGREEING", "eliminate", "peel", "solve"]
 
 SPARE = 24
 """Equations more than unknowns that are taken in the first place."""
-# A solution is believed that this share of the symbols agree with.
 AGREEING = 0.965
+"""A solution is taken at first that this share of the symbols agree with."""
+# Unknowns of a solution that are changed at most so that more symbols agree.
+CHANGES = 64
 # So often the trust in each symbol is blurred, by so much, and the most trusted are taken again.
 BLURRED, BLUR = 8, 3.0
 
@@ -25,10 +27,13 @@ Symbols = NDArray[np.uint16]
 Words = NDArray[np.uint64]
 
 
-def solve(graph: Graph, index: NDArray[np.uint32], value: Symbols, symbol_bits: int) -> Symbols | None:
+def solve(
+    graph: Graph, index: NDArray[np.uint32], value: Symbols, symbol_bits: int, enough: float = AGREEING
+) -> Symbols | None:
     """Return the message symbols (size,), or None where a segment's symbols do not determine it.
 
-    Some symbols may be wrong where there are more than needed.
+    Some symbols may be wrong where there are more than needed. enough: share of the symbols that agree with a
+    solution for which no other is looked for.
     """
     segment = graph.segment(index)
     out = np.zeros((graph.segments, graph.length), np.uint16)
@@ -38,34 +43,69 @@ def solve(graph: Graph, index: NDArray[np.uint32], value: Symbols, symbol_bits: 
         return None
     for number in range(graph.segments):
         rows = order[bounds[number] : bounds[number + 1]]
-        found = _segment(graph, index[rows], value[rows], symbol_bits)
+        found = _segment(graph, index[rows], value[rows], symbol_bits, enough)
         if found is None:
             return None
         out[number] = found[: graph.length]
     return out.ravel()[: graph.size]
 
 
-def _segment(graph: Graph, index: NDArray[np.uint32], value: Symbols, symbol_bits: int) -> Symbols | None:
+def _segment(
+    graph: Graph, index: NDArray[np.uint32], value: Symbols, symbol_bits: int, enough: float
+) -> Symbols | None:
     """Return the intermediate symbols that most agree with: peeled, of the first, else of those most trusted."""
-    best, most = peel(graph, index, value), 0.0
-    if best is not None and _agreeing(graph, best, index, value) >= AGREEING:
+    best, most = _refined(graph, index, value, peel(graph, index, value))
+    if most >= enough:
         return best
-    best = _taken(graph, index, value, np.arange(len(index)))
-    if best is not None:
-        most = _agreeing(graph, best, index, value)
-    if most >= AGREEING or len(index) < graph.length + 2:
+    found = _refined(graph, index, value, _taken(graph, index, value, np.arange(len(index))))
+    best, most = max((best, most), found, key=lambda each: each[1])
+    if most >= enough or len(index) < graph.length + 2:
         return best
     trusted = np.clip(trust(graph, index, value, symbol_bits), -BLUR, 3.0 * BLUR)
     for number in range(1 + BLURRED):
         blur = (mix(index, 9_500 + number) >> np.uint64(11)).astype(float) * 2.0**-53
         order = np.argsort(-trusted - BLUR * number * blur, kind="stable")
-        found = _taken(graph, index, value, order)
-        agreeing = 0.0 if found is None else _agreeing(graph, found, index, value)
-        if agreeing > most:
-            best, most = found, agreeing
-        if most >= AGREEING:
+        found = _refined(graph, index, value, _taken(graph, index, value, order))
+        best, most = max((best, most), found, key=lambda each: each[1])
+        if most >= enough:
             break
     return best
+
+
+def _refined(
+    graph: Graph, index: NDArray[np.uint32], value: Symbols, found: Symbols | None
+) -> tuple[Symbols | None, float]:
+    """Return a solution, or one near it that more of the symbols agree with, and the share of them that do.
+
+    A wrong symbol that a solution was made of agrees with it, and puts a few unknowns wrong: then most of the
+    others that name one of them are off by the same. As long as it makes more agree than disagree, an unknown is
+    changed so.
+    """
+    if found is None:
+        return None, 0.0
+    row, symbol = graph.edges(index)
+    # An unknown that a single symbol names is held by its parities alone.
+    parity, tied = graph.sparse_rows
+    order = np.argsort(parity, kind="stable")
+    row, symbol = np.concatenate([row, len(index) + parity[order]]), np.concatenate([symbol, tied[order]])
+    first = np.flatnonzero(np.diff(row, prepend=-1))
+    right = np.concatenate([value, np.zeros(graph.sparse, np.uint16)])
+    off = np.bitwise_xor.reduceat(found[symbol], first) ^ right
+    for _ in range(CHANGES):
+        wrong = off != 0
+        if not wrong.any() or wrong.mean() > 0.5:
+            break
+        edge = wrong[row]
+        pairs, times = np.unique(symbol[edge] << 16 | off[row[edge]].astype(np.int64), return_counts=True)
+        unknown, change = pairs >> 16, (pairs & 0xFFFF).astype(np.uint16)
+        gain = times - np.bincount(symbol[~edge], minlength=graph.total)[unknown]
+        best = int(gain.argmax())
+        if gain[best] <= 0:
+            break
+        found = found.copy()
+        found[unknown[best]] ^= change[best]
+        off = np.bitwise_xor.reduceat(found[symbol], first) ^ right
+    return found, float(np.mean(off[: len(index)] == 0))
 
 
 def _taken(graph: Graph, index: NDArray[np.uint32], value: Symbols, order: IntArray) -> Symbols | None:
@@ -76,12 +116,6 @@ def _taken(graph: Graph, index: NDArray[np.uint32], value: Symbols, order: IntAr
         if found is not None or take >= len(index):
             return found
     return None
-
-
-def _agreeing(graph: Graph, found: Symbols, index: NDArray[np.uint32], value: Symbols) -> float:
-    row, symbol = graph.edges(index)
-    decoded = np.bitwise_xor.reduceat(found[symbol], np.flatnonzero(np.diff(row, prepend=-1)))
-    return float(np.mean(decoded == value))
 
 
 def _equations(graph: Graph, index: NDArray[np.uint32], value: Symbols) -> tuple[Words, Symbols]:

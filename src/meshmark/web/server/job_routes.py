@@ -9,7 +9,7 @@ from typing import Annotated
 from fastapi import APIRouter, File, Form, Query, Request, Response, UploadFile
 from fastapi.responses import FileResponse, JSONResponse
 
-from meshmark.cli.options import Layers, Search, Strength, Tolerance
+from meshmark.cli.options import Bits, Layers, Search, Strength, Tolerance
 from meshmark.coding.message import parse_id
 from meshmark.web.server.job_queue import JobQueue
 from meshmark.web.server.key_folder import LABEL
@@ -48,7 +48,10 @@ async def begin_job(
     original: Annotated[
         list[UploadFile] | None, File(description="The unmarked original, instead of a certificate.")
     ] = None,
-    id: Annotated[str | None, Form(max_length=40, description="embed: 16 hexadecimal digits.")] = None,
+    id: Annotated[
+        str | None, Form(max_length=40, description="embed: 16 hexadecimal digits, 8 of 32 bits.")
+    ] = None,
+    bits: Annotated[Bits | None, Form(description="embed: of the id, 0 for a mark without one.")] = None,
     strength: Annotated[Strength | None, Form(description="embed")] = None,
     layers: Annotated[Layers | None, Form(description="embed")] = None,
     tolerance: Annotated[Tolerance | None, Form(description="embed")] = None,
@@ -65,9 +68,10 @@ async def begin_job(
     if time_limit is not None and not math.isfinite(time_limit):
         raise Refusal(422, "time_limit: expected a number of seconds")
     if id:
-        parse_id(id)
+        parse_id(id, int(bits or Bits.long))
     options = {
         "id": id or None,
+        "bits": bits,
         "strength": strength,
         "layers": layers,
         "tolerance": tolerance,

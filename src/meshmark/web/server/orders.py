@@ -84,7 +84,9 @@ def _recover(order: Order) -> list[str]:
 _REFERENCES = ("certificate", "original")
 
 ACTIONS: dict[Action, Offer] = {
-    Action.embed: Offer(lines=_embed, options=("id", "strength", "layers", "tolerance", "recompress", "to")),
+    Action.embed: Offer(
+        lines=_embed, options=("id", "bits", "strength", "layers", "tolerance", "recompress", "to")
+    ),
     Action.extract: Offer(lines=_report, options=("search", "time-limit"), references=_REFERENCES),
     Action.authenticate: Offer(lines=_authenticate, references=_REFERENCES),
     Action.recover: Offer(lines=_recover, references=("certificate",)),

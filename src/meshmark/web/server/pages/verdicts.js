@@ -2,13 +2,13 @@
 
 import { count, percent, superscript } from "./dom.js";
 
-const OPTION_NAMES = { strength: "Strength", tolerance: "What counts as a change", layers: "What to put in" };
+const OPTION_NAMES = { strength: "Strength", tolerance: "What counts as a change", layers: "What to put in", bits: "Size of the id" };
 
 /** The command line's sentences name its options and commands: here they are called otherwise. */
 export function plain(sentence) {
   return sentence
     .replaceAll("`meshmark authenticate`", "The tab Check")
-    .replace(/--(strength|tolerance|layers) (\w+)/g, (_, option, value) => `the option “${OPTION_NAMES[option]}: ${value}”`)
+    .replace(/--(strength|tolerance|layers|bits) (\w+)/g, (_, option, value) => `the option “${OPTION_NAMES[option]}: ${value}”`)
     .replaceAll("--certificate", "the certificate")
     .replaceAll("--search wide", "“Search longer”");
 }
@@ -20,11 +20,14 @@ const WORDS = {
   embed(result) {
     const upper = result.mark_vertices
       ? `Later changes will be found by ${count(result.mark_vertices)} small marks${result.payload_bytes ? ", and restored from a miniature of the model that they carry" : ""}.`
-      : "It carries the id alone: there was no room for marks that tell later changes.";
+      : result.bits === 64
+        ? "It carries the id alone: there was no room for marks that tell later changes."
+        : "It carries no marks that tell later changes.";
+    const told = result.id === null ? "says that it is marked with this key" : `carries the id ${result.id}`;
     return {
       tone: "good",
       title: "The model is marked",
-      text: `Its shape carries the id ${result.id}; the surface moved by ${percent(result.rms_over_diagonal)} of the model's diagonal. ${upper} It was read back and verified. Keep the certificate: with it, the mark is found in badly damaged copies and can be taken off again.`,
+      text: `Its shape ${told}; the surface moved by ${percent(result.rms_over_diagonal)} of the model's diagonal. ${upper} It was read back and verified. Keep the certificate: with it, the mark is found in badly damaged copies and can be taken off again.`,
     };
   },
   unmark(result) {
