@@ -12,7 +12,7 @@ from meshmark.data.packing import packed, sorted_faces, unpacked
 from tests.shapes import pebble
 
 # Recorded when the hare was made; its marks in the README's tour are of these bytes.
-DIGEST = "59a9e7187236ed32afad61a4101844bde9b5515353f85408fff1ff68fd76c175"
+DIGEST = "29b0058e6c2ef5b0fb141ecfab3ef6f87d442cc6dbf14f467fbe61767008f265"
 STEP = 2.0**-10
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from time import perf_counter
 
@@ -18,7 +18,7 @@ from meshmark.ownership.decoding import Found, Listed, decoded, lock_bound
 from meshmark.ownership.extraction_result import Extraction
 from meshmark.ownership.parameters import PRESENT_LOG10
 from meshmark.ownership.search.search import EFFORTS, Search
-from meshmark.ownership.search.strategies import STRATEGIES
+from meshmark.ownership.search.strategies import STRATEGIES, Strategy
 from meshmark.ownership.search.trials import OutOfTimeError, TrialCounter
 from meshmark.scene.surfaces import surfaces_to_read
 from meshmark.threads import on_one_thread
@@ -101,10 +101,10 @@ def checked_request(
         refuse_edited(reference, key)
 
 
-def find(search: Search) -> Found:
+def find(search: Search, chosen: Callable[[Strategy], bool] | None = None) -> Found:
     """Return the first reading that decodes, else the one with the best lock.
 
-    The strategies of `STRATEGIES` that apply are gone through in order.
+    The strategies of `STRATEGIES` that apply, and are `chosen` where that is given, are gone through in order.
     Which readings are tried and decoded does not depend on the message. The false-positive bound is the chance of
     the lock times that of the decoded word, times the hypotheses.
     """
@@ -114,7 +114,7 @@ def find(search: Search) -> Found:
     unsure: Found | None = None
     stopped = False
     try:
-        for strategy in STRATEGIES:
+        for strategy in STRATEGIES if chosen is None else filter(chosen, STRATEGIES):
             for reading in strategy.readings(search) if strategy.applies(search) else ():
                 best = _better(best, reading)
                 limit = strategy.decode_below
