@@ -97,12 +97,9 @@ def _poses(held: list[Donor], count: int, options: Options) -> list[Figure]:
     ]
     found = sum(angle < 3.0 for angle, _ in own)
     return [
-        Figure(
-            name="phase of the lattice's waves of a model left out, predicted",
-            measured=str(shift),
-            of=f"{shift.count} phases, {len(held)} models",
-            bar="uniform: p above .01",
-            met=shift.holds(),
+        shift.figure(
+            "phase of the lattice's waves of a model left out, predicted",
+            f"{shift.count} phases, {len(held)} models",
         ),
         Figure(
             name="turn of that lattice, beside random guesses",
@@ -143,13 +140,8 @@ def _phases(held: list[Donor]) -> Figure:
         same = [other for other in held[:row] if abs(other.mark.spacing - target.mark.spacing) < 1e-9]
         errors.append(phase_errors(target, same[-1:]))
     phases = uniformity(np.concatenate(errors))
-    return Figure(
-        name="phases of cells, predicted by another model's at the same nodes, poses granted",
-        measured=str(phases),
-        of=f"{phases.count} cells",
-        bar="uniform: p above .01",
-        met=phases.holds(),
-    )
+    name = "phases of cells, predicted by another model's at the same nodes, poses granted"
+    return phases.figure(name, f"{phases.count} cells")
 
 
 def forgeries(held: list[Donor], tries: int, options: Options) -> Figure:

@@ -75,10 +75,5 @@ def point_phases(options: Options) -> Figure:
         if len(found) == options.count(MODELS) or number == MOST_TRIED:
             break
     phases = uniformity(np.concatenate(errors))
-    return Figure(
-        name="phases of points, predicted by those of other models in the same cubes, poses granted",
-        measured=str(phases),
-        of=f"{phases.count} coordinates, {len(found)} models",
-        bar="uniform: p above .01",
-        met=phases.holds(),
-    )
+    name = "phases of points, predicted by those of other models in the same cubes, poses granted"
+    return phases.figure(name, f"{phases.count} coordinates, {len(found)} models")

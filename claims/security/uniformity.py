@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import kstest
 
+from claims.security.table import Figure
 from meshmark.mesh import FloatArray
 
 __all__ = ["Uniformity", "uniformity"]
@@ -26,6 +27,10 @@ class Uniformity:
     def holds(self, level: float = 0.01) -> bool:
         """Return whether neither test rejects that the phases are uniform."""
         return min(self.rayleigh, self.kolmogorov) > level
+
+    def figure(self, name: str, of: str) -> Figure:
+        """Return the row of a table, whose bar is that the phases are uniform."""
+        return Figure(name=name, measured=str(self), of=of, bar="uniform: p above .01", met=self.holds())
 
     def __str__(self) -> str:
         return (

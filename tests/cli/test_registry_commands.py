@@ -139,6 +139,17 @@ def test_recover_takes_the_parts_from_the_file_of_the_copy(cli, place):
     assert "was changed since it was marked" in ran.err
 
 
+def test_recover_asks_no_registry_that_is_not_named(cli, place, monkeypatch):
+    monkeypatch.setenv("MESHMARK_REGISTRY", "issued.db")
+    told = only_object(cli("recover", "bob.ply", "back.ply", "--key", "my.key", "--json").out)
+    assert (told["recovered"], told["restored_from"]) == (False, None)
+    both = cli(
+        "recover", "bob.ply", "x.ply", "--key", "my.key", "--registry", "issued.db", "--original", "in.ply"
+    )
+    assert both.code == 2
+    assert "--original and --registry exclude each other" in both.err
+
+
 def test_what_is_refused_leaves_no_row(cli, place):
     kept = records(cli)
     (place / "taken.ply").write_bytes(b"mine")

@@ -22,7 +22,7 @@ from meshmark.cli.output import answer, described, percent, plural, say
 from meshmark.cli.paths import naming, staged, written_beside
 from meshmark.cli.progress import progress
 from meshmark.cli.references import load_reference
-from meshmark.cli.registry_option import RegistryIn, open_registry
+from meshmark.cli.registry_option import open_registry
 from meshmark.cli.report_origin import written_origin
 from meshmark.coding.message import format_id
 from meshmark.errors import InputError
@@ -46,6 +46,14 @@ _Original = Annotated[
     ),
 ]
 
+_Registry = Annotated[
+    str | None,
+    typer.Option(
+        metavar="URL",
+        help="Registry of copies, whose file of the marked copy parts come from; no variable stands in for it.",
+    ),
+]
+
 
 def recover(
     *,
@@ -61,7 +69,7 @@ def recover(
     ] = None,
     report: ReportOut = None,
     original: _Original = None,
-    registry: RegistryIn = None,
+    registry: _Registry = None,
     format: ModelFormatIn = None,
     force: ForceKeyed = False,
     as_json: AsJson = False,
@@ -78,6 +86,8 @@ def recover(
     from meshmark.coding.keys import Key
     from meshmark.io import check_extension, uncompressed, write_mesh
 
+    if registry and original is not None:
+        raise InputError("--original and --registry exclude each other, expected one of them")
     staging = staged(
         [(out, None), (picture, ".png"), (report, ".html")], [model, key, certificate, original], force
     )
@@ -88,8 +98,6 @@ def recover(
     source = None if original is None else read_model(original, None, staging)
     copy = None
     if registry:
-        if source is not None:
-            raise InputError("--original and --registry exclude each other, expected one of them")
         with progress("looking for the copy"), naming(named(model)), open_registry(registry) as opened:
             copy = _marked_copy(mesh, secret, opened, staging)
     from meshmark.marking import authenticate as judge

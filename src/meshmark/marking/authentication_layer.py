@@ -22,7 +22,7 @@ from meshmark.marking.mark_request import MarkRequest
 from meshmark.marking.promises import broken_by
 from meshmark.marking.unread_marks import BrokenError, IdLostError, UnplacedError, UnreadError
 from meshmark.marking.verification import authentic
-from meshmark.marking.written_marks import Base, write_marks
+from meshmark.marking.written_marks import Base, Written, write_marks
 from meshmark.mesh import Mesh
 from meshmark.ownership.extraction import extract, find
 from meshmark.ownership.search.search import Search
@@ -148,25 +148,26 @@ def _without_frames(error: CapacityError) -> CapacityError:
 
 def _mended(base: Base, request: MarkRequest, chosen: Planned, *, wary: bool) -> Authenticated:
     """Return the marks of a plan, with others where a few do not bear what is promised: that is seen at once."""
-    chosen = bearing(base, request, chosen)
+    written = bearing(base, request, chosen)
     for _ in range(_MENDED):
         try:
-            return _bound_or_not(base, request, chosen, wary=wary)
+            return _bound_or_not(base, request, written, wary=wary)
         except BrokenError as error:
-            written = replace(chosen, content=error.content)
-            again = mended_plan(request, written, error.unread, np.zeros(len(error.unread), bool))
+            none = np.zeros(len(error.unread), bool)
+            again = mended_plan(request, written.planned, error.unread, none)
             if again is None:
                 raise
-            chosen = again
-    return _bound_or_not(base, request, chosen, wary=wary)
+            written = write_marks(base, request, again, bound=again.plan.places_itself)
+    return _bound_or_not(base, request, written, wary=wary)
 
 
-def _bound_or_not(base: Base, request: MarkRequest, chosen: Planned, *, wary: bool) -> Authenticated:
+def _bound_or_not(base: Base, request: MarkRequest, written: Written, *, wary: bool) -> Authenticated:
     """Return marks whose symbols are bound to their places; where these are not found again, marks that are not."""
-    if chosen.plan.places_itself:
+    if written.bound:
         with suppress(UnplacedError):
-            return _marked(base, request, chosen, bound=True, wary=wary)
-    return _marked(base, request, chosen, bound=False, wary=wary)
+            return _read_back(base, request, written, wary=wary)
+        written = write_marks(base, request, written.planned, bound=False)
+    return _read_back(base, request, written, wary=wary)
 
 
 def _choices(planned: Planned, key: Key) -> Iterator[Planned]:
@@ -177,20 +178,19 @@ def _choices(planned: Planned, key: Key) -> Iterator[Planned]:
         yield replace(planned, plan=plan(surface, key, precision.error, choice, precision.style))
 
 
-def _marked(base: Base, request: MarkRequest, planned: Planned, *, bound: bool, wary: bool) -> Authenticated:
+def _read_back(base: Base, request: MarkRequest, written: Written, *, wary: bool) -> Authenticated:
     """Return the marks of one plan; raises `CapacityError` where they do not hold.
 
-    bound: their symbols are bound to their places, which the marks of small models cannot tell. wary: other choices
-    took the id below away, so that it is looked for at once.
+    wary: other choices took the id below away, so that it is looked for at once.
     """
-    written = write_marks(base, request, planned, bound=bound)
-    result, precision, remarks = written.mesh, planned.precision, written.remarks
+    result, planned, remarks = written.mesh, written.planned, written.remarks
+    precision = planned.precision
     # Marks that do not tell the id have `examine` read the layer below.
     at_once = wary or planned.plan.layout.pieces_only or not planned.plan.carries_id
     if at_once:
         _check_below(base, result, request)
     found = examine(as_shown(result), request.key, made=request.id)
-    if bound and found.marked and found.payload is None:
+    if written.bound and found.marked and found.payload is None:
         raise UnplacedError("the marks of authentication do not tell where the model lies")
     if not authentic(found, request.id):
         raise UnreadError(
@@ -200,7 +200,7 @@ def _marked(base: Base, request: MarkRequest, planned: Planned, *, bound: bool, 
         raise UnreadError("the payload cannot be read back from the marked model")
     broken = broken_by(result, request.key, request.id, precision.bears, precision.error)
     if broken is not None:
-        raise BrokenError(broken.called, broken.unread, written.payload.content)
+        raise BrokenError(broken.called, broken.unread)
     carriers = 0
     if base.has_id:
         if not at_once:

@@ -21,12 +21,12 @@ __all__ = ["bearing", "mended_plan"]
 _TIMES, _FEW, _LEAST = 6, 1e-3, 2
 
 
-def bearing(base: Base, request: MarkRequest, chosen: Planned) -> Planned:
-    """Return the plan with other marks near points that promised roundings leave without one that is read.
+def bearing(base: Base, request: MarkRequest, chosen: Planned) -> Written:
+    """Return the marks of a plan, with others near points that promised roundings leave without one that is read.
 
     Of a model of a million points a few marks in a thousand fail in each rounding, and some of them leave a point
     alone. An examination finds that, too, but takes the longer the larger the model is. Where copies of one mesh
-    are shown, each is rounded in its own way: their plan is returned as it is.
+    are shown, each is rounded in its own way: the marks of the plan are returned as they are.
 
     Parameters
     ----------
@@ -36,27 +36,26 @@ def bearing(base: Base, request: MarkRequest, chosen: Planned) -> Planned:
 
     Returns
     -------
-    Planned
-        Its `content` is what was made for it.
+    Written
+        Bound to their places where they tell them.
 
     Raises
     ------
     CapacityError
         What the payload was asked to be does not fit.
     """
+    written = write_marks(base, request, chosen, bound=chosen.plan.places_itself)
     if scene_of(chosen.mesh) is not None:
-        return chosen
+        return written
     avoid = np.zeros(len(chosen.plan.surface.points), bool)
     for _ in range(_TIMES):
-        written = write_marks(base, request, chosen, bound=chosen.plan.places_itself)
-        chosen = replace(chosen, content=written.payload.content)
         unread, failing = _unread(request, written)
         avoid |= failing
-        again = mended_plan(request, chosen, unread, avoid) if unread.any() else None
+        again = mended_plan(request, written.planned, unread, avoid) if unread.any() else None
         if again is None:
             break
-        chosen = again
-    return chosen
+        written = write_marks(base, request, again, bound=again.plan.places_itself)
+    return written
 
 
 def mended_plan(

@@ -139,16 +139,15 @@ def rounded_by(vertices: FloatArray, bears: Iterable[str], error: float) -> Iter
     Those that change most come first, those that change next to nothing do not. error: of a coordinate, that the
     marks are made for, in scene units.
     """
-    changes: list[tuple[float, str]] = []
+    rounded: list[tuple[float, str, FloatArray]] = []
     for name in bears:
-        change = error
-        if name != "turned":
-            change = float(np.abs(ROUNDINGS[name][0](vertices) - vertices).max())
-        if name == "turned" or change > _HARMLESS * error:
-            changes.append((change, name))
-    for _, name in sorted(changes, key=lambda each: -each[0]):
         rounding, called = ROUNDINGS[name]
-        yield called, rounding(vertices)
+        result = rounding(vertices)
+        change = error if name == "turned" else float(np.abs(result - vertices).max())
+        if name == "turned" or change > _HARMLESS * error:
+            rounded.append((change, called, result))
+    for _, called, result in sorted(rounded, key=lambda each: -each[0]):
+        yield called, result
 
 
 def broken_by(mesh: Mesh, key: Key, identity: int, bears: Iterable[str], error: float) -> Broken | None:

@@ -25,6 +25,6 @@ class UnplacedError(UnreadError):
 class BrokenError(UnreadError):
     """A rounding that the tolerance promises to bear leaves the points `unread` (p,) without a mark."""
 
-    def __init__(self, called: str, unread: NDArray[np.bool_], content: bytes) -> None:
+    def __init__(self, called: str, unread: NDArray[np.bool_]) -> None:
         super().__init__(f"the marks of authentication would not survive {called}, as the tolerance promises")
-        self.unread, self.content = unread, content
+        self.unread = unread

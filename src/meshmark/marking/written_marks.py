@@ -46,13 +46,14 @@ class Base:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Written:
-    """mesh: with the marks of a plan, `marked`, as its file can hold them; payload: what they carry, and remarks
-    about what was left out of it.
+    """planned: with the content that was made for it. mesh: with the marks of the plan, `marked`, as its file can
+    hold them; bound: to their places. payload: what they carry, and remarks about what was left out of it.
     """
 
     planned: Planned
     mesh: Mesh = field(repr=False)
     marked: Marked = field(repr=False)
+    bound: bool
     payload: Payload
     remarks: tuple[str, ...]
 
@@ -92,7 +93,14 @@ def write_marks(base: Base, request: MarkRequest, planned: Planned, *, bound: bo
     mesh = planned.mesh.with_vertices(conform(base.original, vertices))
     # Remembered, so that a reader welds only what rounding has joined.
     surface_of_moved(mesh, planned.mesh)
-    return Written(planned=planned, mesh=mesh, marked=marked, payload=payload, remarks=remarks)
+    return Written(
+        planned=replace(planned, content=payload.content),
+        mesh=mesh,
+        marked=marked,
+        bound=bound,
+        payload=payload,
+        remarks=remarks,
+    )
 
 
 def _payload(

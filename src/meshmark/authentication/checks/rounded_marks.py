@@ -1,8 +1,8 @@
 """Which points of a model that was just marked have no mark left that is read once its positions are rounded.
 
 Who made the marks knows where they are and what each should say. So their rings alone are read, about a fifth of
-all, without a search for how they were made and without a key: this takes a fraction of what an examination takes,
-which knows neither. It finds what an examination would call altered but for few points, and proves nothing.
+all, without a search for how they were made and without MACs: this takes a fraction of what an examination takes.
+It finds what an examination would call altered but for few points, and proves nothing.
 """
 
 from __future__ import annotations
@@ -88,9 +88,7 @@ def unread_when_rounded(
         if len(rows):
             some = group.take(rows)
             unread[some.vertex] = able_rings(ring_shapes(rounded, some, style), setting)
-    failing = row_of >= 0
-    failing &= ~held
-    return unread, failing
+    return unread, (row_of >= 0) & ~held
 
 
 def _size(points: FloatArray) -> float:

@@ -15,8 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshmark.coding.erasure.graph import Graph, mix, sizes
-from meshmark.coding.erasure.solver import AGREEING as AGREEING_SYMBOLS
-from meshmark.coding.erasure.solver import solve
+from meshmark.coding.erasure.solver import ENOUGH, solve
 from meshmark.errors import CapacityError, InputError
 from meshmark.mesh import IntArray
 
@@ -108,7 +107,7 @@ def _message(indices: bytes, values: bytes, symbol_bits: int) -> bytes | None:
     data, held = index[~pilot], value[~pilot]
     for ladder in _likely_sizes(index[pilot], value[pilot], symbol_bits, len(data)):
         graph = Graph(int(sizes()[ladder]))
-        for enough in (AGREEING_SYMBOLS, 1.0):
+        for enough in (ENOUGH, 1.0):
             found = solve(graph, data, held, symbol_bits, enough)
             if found is None:
                 break

@@ -9,11 +9,11 @@ from meshmark.coding.erasure.belief import trust
 from meshmark.coding.erasure.graph import DENSE, Graph, mix
 from meshmark.mesh import IntArray
 
-__all__ = ["AGREEING", "eliminate", "peel", "solve"]
+__all__ = ["ENOUGH", "eliminate", "peel", "solve"]
 
 SPARE = 24
 """Equations more than unknowns that are taken in the first place."""
-AGREEING = 0.965
+ENOUGH = 0.965
 """A solution is taken at first that this share of the symbols agree with."""
 # Unknowns of a solution that are changed at most so that more symbols agree.
 CHANGES = 64
@@ -28,7 +28,7 @@ Words = NDArray[np.uint64]
 
 
 def solve(
-    graph: Graph, index: NDArray[np.uint32], value: Symbols, symbol_bits: int, enough: float = AGREEING
+    graph: Graph, index: NDArray[np.uint32], value: Symbols, symbol_bits: int, enough: float = ENOUGH
 ) -> Symbols | None:
     """Return the message symbols (size,), or None where a segment's symbols do not determine it.
 
