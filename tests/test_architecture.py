@@ -20,7 +20,7 @@ ROOT = Path(meshmark.__file__).parent
 SOURCES = sorted(ROOT.rglob("*.py"))
 # A module imports from its own layer or from those before it.
 LAYERS = (
-    "errors", "late", "notebook", "data", "arrays", "document", "mesh", "threads", "workers", "strengths", "coding",
+    "errors", "late", "kernels", "notebook", "data", "arrays", "document", "mesh", "threads", "workers", "strengths", "coding",
     "geometry", "io", "scene", "saliency", "segmentation", "network", "certificate", "ownership", "recovery",
     "authentication", "marking", "registry", "attacks", "metrics", "report", "batch", "cli", "", "__main__", "web",
     "research",

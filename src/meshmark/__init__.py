@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from meshmark.kernels import same_on_every_processor
 from meshmark.late import late_names
 
 if TYPE_CHECKING:
@@ -112,6 +113,8 @@ _HOME = {
 }
 
 
+# Before anything imports NumPy.
+same_on_every_processor()
 __getattr__ = late_names(__name__, _HOME)
 
 
