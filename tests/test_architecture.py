@@ -20,10 +20,10 @@ ROOT = Path(meshmark.__file__).parent
 SOURCES = sorted(ROOT.rglob("*.py"))
 # A module imports from its own layer or from those before it.
 LAYERS = (
-    "errors", "late", "kernels", "notebook", "data", "arrays", "document", "mesh", "threads", "workers", "strengths", "coding",
-    "geometry", "io", "scene", "saliency", "segmentation", "network", "certificate", "ownership", "recovery",
-    "authentication", "marking", "registry", "attacks", "metrics", "report", "batch", "cli", "", "__main__", "web",
-    "research",
+    "errors", "late", "kernels", "notebook", "data", "arrays", "document", "mesh", "threads", "workers",
+    "strengths", "coding", "geometry", "io", "scene", "saliency", "segmentation", "network", "certificate",
+    "ownership", "recovery", "authentication", "marking", "registry", "attacks", "metrics", "report", "batch",
+    "cli", "", "__main__", "web", "research",
 )  # fmt: skip
 # The same of the folders within a folder.
 INSIDE = {

@@ -8,15 +8,13 @@ from dataclasses import dataclass, replace
 from enum import Enum
 from itertools import islice
 
-import numpy as np
-
 from meshmark.authentication.examination import examine
 from meshmark.authentication.marks.plan import plan
 from meshmark.authentication.marks.planning import Planned, plans
 from meshmark.coding.keys import Key
 from meshmark.errors import CapacityError
 from meshmark.geometry.surface_of import surface_of
-from meshmark.marking.bearing_plan import bearing, mended_plan
+from meshmark.marking.bearing_plan import bearing, planned_marks
 from meshmark.marking.embedding_result import AuthenticationMark
 from meshmark.marking.mark_request import MarkRequest
 from meshmark.marking.promises import broken_by
@@ -148,17 +146,16 @@ def _without_frames(error: CapacityError) -> CapacityError:
 
 def _mended(base: Base, request: MarkRequest, chosen: Planned, *, wary: bool) -> Authenticated:
     """Return the marks of a plan, with others where a few do not bear what is promised: that is seen at once."""
-    written = bearing(base, request, chosen)
+    marks = bearing(base, request, planned_marks(base, request, chosen))
     for _ in range(_MENDED):
         try:
-            return _bound_or_not(base, request, written, wary=wary)
+            return _bound_or_not(base, request, marks.written, wary=wary)
         except BrokenError as error:
-            none = np.zeros(len(error.unread), bool)
-            again = mended_plan(request, written.planned, error.unread, none)
+            again = marks.with_failing(error.passed).mended(base, request, error.unread)
             if again is None:
                 raise
-            written = write_marks(base, request, again, bound=again.plan.places_itself)
-    return _bound_or_not(base, request, written, wary=wary)
+            marks = bearing(base, request, again)
+    return _bound_or_not(base, request, marks.written, wary=wary)
 
 
 def _bound_or_not(base: Base, request: MarkRequest, written: Written, *, wary: bool) -> Authenticated:
@@ -200,7 +197,7 @@ def _read_back(base: Base, request: MarkRequest, written: Written, *, wary: bool
         raise UnreadError("the payload cannot be read back from the marked model")
     broken = broken_by(result, request.key, request.id, precision.bears, precision.error)
     if broken is not None:
-        raise BrokenError(broken.called, broken.unread)
+        raise BrokenError(broken.called, broken.unread, broken.passed)
     carriers = 0
     if base.has_id:
         if not at_once:

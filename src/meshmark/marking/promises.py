@@ -125,12 +125,13 @@ ROUNDINGS: Final[dict[str, tuple[Rounding, str]]] = {
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Broken:
-    """called: the rounding after which a mesh is not authentic; unread: (p,) the points without a mark then,
-    all that are altered where there is no such point.
+    """called: the rounding after which a mesh is not authentic; unread: (p,) the points without a mark then, all
+    that are altered where there is no such point; passed: (p,) whose marks hold then.
     """
 
     called: str
     unread: NDArray[np.bool_]
+    passed: NDArray[np.bool_]
 
 
 def rounded_by(vertices: FloatArray, bears: Iterable[str], error: float) -> Iterator[tuple[str, FloatArray]]:
@@ -161,5 +162,6 @@ def broken_by(mesh: Mesh, key: Key, identity: int, bears: Iterable[str], error: 
         found = examine(as_shown(again), key, made=identity)
         if not authentic(found, identity):
             unread = found.altered & found.checks.eligible & ~found.checks.verified
-            return Broken(called=called, unread=unread if unread.any() else found.altered)
+            unread = unread if unread.any() else found.altered
+            return Broken(called=called, unread=unread, passed=found.checks.passed)
     return None

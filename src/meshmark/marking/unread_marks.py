@@ -23,8 +23,11 @@ class UnplacedError(UnreadError):
 
 
 class BrokenError(UnreadError):
-    """A rounding that the tolerance promises to bear leaves the points `unread` (p,) without a mark."""
+    """A rounding that the tolerance promises to bear leaves points without a mark.
 
-    def __init__(self, called: str, unread: NDArray[np.bool_]) -> None:
+    unread: (p,) those points. passed: (p,) whose marks hold all the same.
+    """
+
+    def __init__(self, called: str, unread: NDArray[np.bool_], passed: NDArray[np.bool_]) -> None:
         super().__init__(f"the marks of authentication would not survive {called}, as the tolerance promises")
-        self.unread = unread
+        self.unread, self.passed = unread, passed

@@ -7,7 +7,7 @@ import pytest
 
 from meshmark.authentication.checks.checks import check
 from meshmark.authentication.checks.rounded_marks import unread_when_rounded
-from meshmark.authentication.marks.mending import mended
+from meshmark.authentication.marks.mending import Doubts, mended
 from meshmark.authentication.marks.plan import Marked, Plan, mark, plan
 from meshmark.authentication.marks.precision import precision_of
 from meshmark.authentication.parameters import FINE
@@ -67,7 +67,9 @@ def test_points_of_marks_that_fail_are_avoided_when_a_plan_is_mended(planned):
     beside = np.flatnonzero((planned.surface.graph @ unread.astype(float) > 0.0) & ~unread)
     avoid[beside[::2]] = True
     added = [
-        np.setdiff1d(mended(planned, KEY, unread, some, FINE).marks, planned.marks)
+        np.setdiff1d(
+            mended(planned, KEY, Doubts(unread=unread, ever=unread, failing=some), FINE).marks, planned.marks
+        )
         for some in (np.zeros(len(avoid), bool), avoid)
     ]
     likely, avoided = (int(avoid[new].sum()) for new in added)
