@@ -30,26 +30,32 @@ def surface_basis(points: FloatArray, normals: FloatArray, pitch: float) -> sp.c
     points: (p, 3); normals: (p, 3) unit; pitch: distance of the nodes, in the unit of `points`.
     """
     nodes, owner = _nodes(points, normals, pitch)
-    tree, rows, columns, values = kd_tree(points), [], [], []
+    owned = np.argsort(owner, kind="stable")  # the points by their nodes
+    first = np.searchsorted(owner[owned], np.arange(len(nodes) + 1))
+    tree, parts = kd_tree(points), []
     for block in blocks(len(nodes), BLOCK):
         near = kd_tree(points[nodes[block]]).sparse_distance_matrix(
             tree, REACH * pitch, output_type="ndarray"
         )
-        row = near["j"].astype(np.int32)
-        column = near["i"].astype(np.int32) + np.int32(block.start)
-        apart = points[row] - points[nodes[column]]
+        row, column = near["j"], near["i"]
+        node = nodes[block][column]
+        apart = points[row] - points[node]
         inside = np.maximum(1.0 - np.einsum("ij,ij->i", apart, apart) / (REACH * pitch) ** 2, 0.0)
-        facing = np.maximum(np.einsum("ij,ij->i", normals[row], normals[nodes[column]]), 0.0)
-        rows.append(row)
-        columns.append(column)
-        values.append(inside**3 * facing)
-    rows.append(np.arange(len(points), dtype=np.int32))
-    columns.append(owner.astype(np.int32))
-    values.append(np.full(len(points), LEAST))
-    placed = (np.concatenate(rows), np.concatenate(columns))
-    weights = sp.csr_array((np.concatenate(values), placed), shape=(len(points), len(nodes)))
+        facing = np.maximum(np.einsum("ij,ij->i", normals[row], normals[node]), 0.0)
+        value = inside**3 * facing
+        some = np.flatnonzero(value > 0.0)
+        own = owned[first[block.start] : first[block.stop]]
+        rows = np.concatenate([row[some], own]).astype(np.int32)
+        columns = np.concatenate([column[some], owner[own] - block.start]).astype(np.int32)
+        values = np.concatenate([value[some], np.full(len(own), LEAST)])
+        shape = (len(points), block.stop - block.start)
+        parts.append(sp.csc_array((values, (rows, columns)), shape=shape))
+    weights = sp.hstack(parts, format="csc")
+    parts.clear()  # before what is as large again
+    weights = sp.csr_array(weights)
     total = np.asarray(weights.sum(axis=1)).ravel()
-    return sp.csr_array(sp.diags_array(1.0 / total) @ weights)
+    weights.data *= np.repeat(1.0 / total, np.diff(weights.indptr))
+    return weights
 
 
 def _nodes(points: FloatArray, normals: FloatArray, pitch: float) -> tuple[IntArray, IntArray]:

@@ -34,6 +34,7 @@ from meshmark.authentication.parameters import (
     Layout,
 )
 from meshmark.coding.keyed import unit_interval
+from meshmark.geometry.blocks import blocks
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = [
@@ -136,11 +137,19 @@ def room(shapes: RingShapes, unit: float, margin: float = 1.0, doubt: float | No
 
     doubt: by how many times the tolerance a length may be off; as the margin where it is left out.
     """
+    count = len(shapes.size)
+    parts = [
+        _room(shapes.take(rows), unit, margin, margin if doubt is None else doubt) for rows in blocks(count)
+    ]
+    return np.concatenate(parts) if parts else np.zeros(0)
+
+
+def _room(shapes: RingShapes, unit: float, margin: float, doubt: float) -> FloatArray:
     exact = level_of(shapes, unit)
     firm = (exact >= LEVELS[0]) & (shapes.spread * margin <= SPREAD) & shapes.normal.any(axis=1)
     level = np.clip(np.floor(exact), LEVELS[0], LEVELS[-1]).astype(np.int64)
     values, cell = lengths(shapes, level)
-    tolerance = (margin if doubt is None else doubt) * tolerances(shapes, level)
+    tolerance = doubt * tolerances(shapes, level)
     near = np.abs(values - np.round(values)) <= (tolerance / cell)[:, None]
     ties = shapes.distance >= (shapes.distance.max(axis=1) - tolerance)[:, None]
     clear = (near.sum(axis=1) <= AMBIGUOUS) & (ties.sum(axis=1) <= ALTERNATIVES)

@@ -48,7 +48,7 @@ class RingShapes:
     sway: FloatArray
     style: Style = FINE
 
-    def take(self, rows: IntArray | NDArray[np.bool_]) -> RingShapes:
+    def take(self, rows: IntArray | NDArray[np.bool_] | slice) -> RingShapes:
         """Return these rows."""
         arrays = [field.name for field in fields(self) if field.name != "style"]
         return RingShapes(**{name: getattr(self, name)[rows] for name in arrays}, style=self.style)
@@ -58,11 +58,16 @@ def ring_shapes(points: FloatArray, rings: Rings, style: Style = FINE) -> RingSh
     """Return the shapes of rings, of points (p, 3), for marks of a style."""
     if len(rings.vertex) <= _BLOCK:
         return _shapes(points, rings, style)
-    rows = np.arange(len(rings.vertex))
-    parts = [_shapes(points, rings.take(rows[block]), style) for block in blocks(len(rows), _BLOCK)]
     names = [field.name for field in fields(RingShapes) if field.name != "style"]
-    joined = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
-    return RingShapes(**joined, style=style)
+    whole: dict[str, FloatArray] = {}
+    for block in blocks(len(rings.vertex), _BLOCK):
+        part = _shapes(points, rings.take(block), style)
+        for name in names:
+            found = getattr(part, name)
+            if name not in whole:
+                whole[name] = np.empty((len(rings.vertex), *found.shape[1:]))
+            whole[name][block] = found
+    return RingShapes(**whole, style=style)
 
 
 def _shapes(points: FloatArray, rings: Rings, style: Style) -> RingShapes:

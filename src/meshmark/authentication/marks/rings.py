@@ -29,7 +29,7 @@ class Rings:
     open: NDArray[np.bool_]
     boundary: NDArray[np.bool_]
 
-    def take(self, rows: IntArray | NDArray[np.bool_]) -> Rings:
+    def take(self, rows: IntArray | NDArray[np.bool_] | slice) -> Rings:
         """Return these rows."""
         return Rings(
             vertex=self.vertex[rows],
