@@ -10,6 +10,7 @@ from meshmark.geometry.areas import vertex_areas, vertex_normals
 from meshmark.geometry.frame import canonical_frame
 from meshmark.geometry.sampling import plan_samples
 from meshmark.geometry.visibility import VisibleChange
+from meshmark.ownership import bumps
 from meshmark.ownership.bumps import FRAME_ROWS, Bumps, frame_gradient, frame_values
 from meshmark.ownership.carriers.cells import measure_cells
 from meshmark.ownership.carriers.lattice import Lattice
@@ -64,7 +65,10 @@ class Setting:
 
 @pytest.fixture(scope="module")
 def setting():
-    return Setting()
+    """Their energy is added up a thousand points at a time, as that of large models is."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(bumps, "ROWS", 1000)
+        return Setting()
 
 
 def test_frame_gradient_predicts_the_moments_of_a_displaced_surface():
