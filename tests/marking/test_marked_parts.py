@@ -1,4 +1,4 @@
-"""Parts of an assembly with both layers: each tells the id when it is taken out, and only those that do are counted."""
+"""Parts of an assembly with both layers: each tells the id when taken out, and only those that do are counted."""
 
 from __future__ import annotations
 

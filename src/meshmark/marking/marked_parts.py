@@ -7,7 +7,7 @@ from meshmark.geometry.surface import Surface
 from meshmark.geometry.surface_of import surface_of
 from meshmark.mesh import Mesh
 
-__all__ = ["parts_in_words", "parts_read"]
+__all__ = ["parts_in_words", "parts_read", "tells_id"]
 
 
 def parts_read(mesh: Mesh, key: Key, identity: int, carrying: tuple[int, ...]) -> tuple[tuple[int, ...], int]:
@@ -41,6 +41,13 @@ def parts_read(mesh: Mesh, key: Key, identity: int, carrying: tuple[int, ...]) -
     )
     others = (part for number, part in enumerate(surfaces) if number not in at_points and part is not None)
     return at_points, len(at_points) + sum(_is_read_in_marks(part, key, identity) for part in others)
+
+
+def tells_id(part: Surface, key: Key, identity: int) -> bool:
+    """Return whether the id is surely read from a part's surface, in its points or its marks of authentication."""
+    from meshmark.ownership.embedding_in_parts import is_read_in_part
+
+    return _is_read_in_marks(part, key, identity) or is_read_in_part(part, key, identity)
 
 
 def _is_read_in_marks(part: Surface, key: Key, identity: int) -> bool:

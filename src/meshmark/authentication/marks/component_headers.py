@@ -6,7 +6,7 @@ hundred points has fewer of them than the id has pieces, unless they are chosen 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,11 +57,10 @@ def headers_first(
     """
     first = np.zeros(len(chance), bool)
     components = () if layout.pieces_only else large_components(surface, MOST_MARKED)
-    if not components:
-        return first
     pieces = pieces_of_id(layout.symbol)
     told = _headers(found, chance)
-    lacking = [each for each in components if _scarcest(told, each, pieces) < _ENOUGH]
+    told = told.take(np.sort(np.unique(told.words[:, 0], return_index=True)[1]))
+    lacking = [each for each in components if min(map(len, _by_piece(told, each, pieces))) < _ENOUGH]
     if not lacking:
         return first
     able = rings.allowed(layout.levels) & rings.firm & np.logical_or.reduce(lacking)
@@ -69,26 +68,35 @@ def headers_first(
     able[:] = False
     able[header.vertex] = True
     header = header.take(independent_points(surface.connectivity.edges, able, chance)[header.vertex])
-    for component in lacking:
-        own = header.take(component[header.vertex])
-        for vertices in _by_piece(own, pieces):
-            first[vertices[:_WANTED]] = True
+    first[header.vertex[_dealt([_by_piece(header, each, pieces) for each in lacking], header)]] = True
     return first
 
 
 def _headers(found: Candidates, chance: FloatArray) -> Candidates:
-    """Return the marks that tell the id, by their `chance` (p,), one of those whose rings are alike."""
+    """Return the marks that tell the id, by their `chance` (p,)."""
     header = found.take(found.kind == HEADER)
-    header = header.take(np.argsort(chance[header.vertex], kind="stable"))
-    return header.take(np.sort(np.unique(header.words[:, 0], return_index=True)[1]))
+    return header.take(np.argsort(chance[header.vertex], kind="stable"))
 
 
-def _scarcest(header: Candidates, component: NDArray[np.bool_], pieces: int) -> int:
-    """Return by how many marks that piece of the id is carried which the fewest carry in a component (p,)."""
-    return min(len(vertices) for vertices in _by_piece(header.take(component[header.vertex]), pieces))
+def _by_piece(header: Candidates, component: NDArray[np.bool_], pieces: int) -> list[IntArray]:
+    """Return the rows of the marks in a component (p,) that carry each piece of the id."""
+    piece = np.where(component[header.vertex], header.index.astype(np.int64) % pieces, -1)
+    return [np.flatnonzero(piece == each) for each in range(pieces)]
 
 
-def _by_piece(header: Candidates, pieces: int) -> Iterator[IntArray]:
-    """Yield the points whose marks carry each piece of the id."""
-    piece = header.index.astype(np.int64) % pieces
-    yield from (header.vertex[piece == each] for each in range(pieces))
+def _dealt(rows: list[list[IntArray]], header: Candidates) -> list[int]:
+    """Return rows of marks, up to `_WANTED` for each component and piece, of rings of which no two are alike.
+
+    rows: for each component and each piece. Components that are alike share their rings: each takes one in turn.
+    """
+    ring = header.words[:, 0].tolist()
+    taken: set[int] = set()
+    chosen = []
+    for turn, piece in product(range(_WANTED), range(len(rows[0]))):
+        for number in range(len(rows)):
+            own = rows[(number + turn + piece) % len(rows)][piece]
+            row = next((each for each in own.tolist() if ring[each] not in taken), None)
+            if row is not None:
+                taken.add(ring[row])
+                chosen.append(row)
+    return chosen

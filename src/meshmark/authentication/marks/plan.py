@@ -166,7 +166,7 @@ def plan(surface: Surface, key: Key, precision: float, choice: int = 0, style: S
                     found = rings.found(chosen, key, layout)
                 ample = (found.kind == HEADER).sum() >= _AMPLE * pieces_of_id(layout.symbol)
                 for _ in range(_UNALIKE if ample else 0):
-                    gone = alike(found)
+                    gone = alike(found, first)
                     if not len(gone):
                         break
                     # Others are taken where they can be for marks of rings that are alike.
