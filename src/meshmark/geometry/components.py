@@ -24,5 +24,6 @@ def connected_parts(graph: csr_array, chosen: NDArray[np.bool_]) -> IntArray:
     rows = np.flatnonzero(chosen)
     part = np.full(len(chosen), -1)
     if len(rows):
-        part[rows] = connected_components(graph[rows][:, rows])[1]
+        among = graph if len(rows) == len(chosen) else graph[rows][:, rows]
+        part[rows] = connected_components(among)[1]
     return part

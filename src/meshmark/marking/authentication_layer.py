@@ -17,6 +17,7 @@ from meshmark.geometry.surface_of import surface_of
 from meshmark.marking.bearing_plan import bearing, planned_marks
 from meshmark.marking.embedding_result import AuthenticationMark
 from meshmark.marking.mark_request import MarkRequest
+from meshmark.marking.parts_telling import with_parts_telling
 from meshmark.marking.promises import broken_by
 from meshmark.marking.unread_marks import BrokenError, IdLostError, UnplacedError, UnreadError
 from meshmark.marking.verification import authentic
@@ -146,7 +147,8 @@ def _without_frames(error: CapacityError) -> CapacityError:
 
 def _mended(base: Base, request: MarkRequest, chosen: Planned, *, wary: bool) -> Authenticated:
     """Return the marks of a plan, with others where a few do not bear what is promised: that is seen at once."""
-    marks = bearing(base, request, planned_marks(base, request, chosen))
+    telling = with_parts_telling(base, request, chosen)
+    marks = bearing(base, request, planned_marks(base, request, telling))
     for _ in range(_MENDED):
         try:
             return _bound_or_not(base, request, marks.written, wary=wary)

@@ -16,7 +16,7 @@ from meshmark.marking.authentication_layer import with_authentication
 from meshmark.marking.embedding_result import Embedding
 from meshmark.marking.fewer_bits import fewer_bits_that_fit
 from meshmark.marking.mark_request import WEB_FORMATS, MarkRequest
-from meshmark.marking.marked_parts import parts_in_words, with_parts_read
+from meshmark.marking.marked_parts import parts_in_words, parts_read
 from meshmark.marking.repeated_mesh import embed_repeated
 from meshmark.marking.verification import verify
 from meshmark.marking.written_marks import Base
@@ -174,7 +174,7 @@ def _verified(below: Owned, mesh: Mesh, request: MarkRequest, remarks: tuple[str
         ownership=below.mark,
         authentication=None,
         displacement=vertex_displacement(mesh, below.mesh),
-        remarks=(*remarks, *parts_in_words(below.mark)),
+        remarks=(*remarks, *parts_in_words(len(below.mark.parts), below.mark.bits)),
     )
     verify(result.mesh, request.key, result)
     return result
@@ -236,11 +236,11 @@ def _on_top(below: Owned | None, original: Mesh, request: MarkRequest) -> Embedd
     if displacement.rms > BUDGETS[request.strength] * displacement.diagonal:
         share = displacement_rms(base.mesh, upper.mesh) / displacement.diagonal
         raise _OverBudgetError(share, request.strength)
-    ownership = None
+    ownership, remarks = None, upper.remarks
     if below is not None:
-        ownership = with_parts_read(
-            replace(below.mark, carriers=upper.carriers), upper.mesh, request.key, request.id
-        )
+        at_points, telling = parts_read(upper.mesh, request.key, request.id, below.mark.parts)
+        ownership = replace(below.mark, carriers=upper.carriers, parts=at_points)
+        remarks = (*remarks, *parts_in_words(telling, below.mark.bits))
     return Embedding(
         mesh=upper.mesh,
         id=told_id(request.id),
@@ -248,5 +248,5 @@ def _on_top(below: Owned | None, original: Mesh, request: MarkRequest) -> Embedd
         ownership=ownership,
         authentication=upper.mark,
         displacement=displacement,
-        remarks=upper.remarks if ownership is None else (*upper.remarks, *parts_in_words(ownership)),
+        remarks=remarks,
     )

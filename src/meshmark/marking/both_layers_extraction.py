@@ -15,15 +15,14 @@ from meshmark.certificate.certificate import Certificate
 from meshmark.coding.chance import believable
 from meshmark.coding.codec import Codec
 from meshmark.coding.keys import Key
-from meshmark.geometry.components import connected_components
 from meshmark.geometry.surface import Surface
 from meshmark.geometry.surface_of import surface_of
 from meshmark.mesh import Mesh
 from meshmark.ownership.answer import extraction_of
-from meshmark.ownership.assembly_parts import LEAST_POINTS
 from meshmark.ownership.extraction import checked_request, find
 from meshmark.ownership.extraction import extract as extract_ownership
 from meshmark.ownership.extraction_result import Evidence, Extraction
+from meshmark.ownership.large_components import MOST_READ, large_components
 from meshmark.ownership.search.search import Search
 from meshmark.ownership.search.trials import TrialCounter
 from meshmark.scene.surfaces import marked_surface
@@ -33,8 +32,6 @@ __all__ = ["extract"]
 
 # Where marks vouch for this share of the surface, the ownership layer, too, is read as it stands only.
 _MOSTLY_WHOLE = 0.2
-# At most so many connected components are read on their own, the largest first, of those that are large enough.
-_MOST_PARTS = 8
 # Seconds that a search is given at least, however long the marks took.
 _LEAST_TIME = 0.01
 
@@ -117,17 +114,11 @@ def _parts(mesh: Mesh, key: Key, end: float | None, among: Sequence[int]) -> Ite
     The bound of the t-th is multiplied by t (t + 1), for all of them together.
     """
     surface = marked_surface(mesh)
-    count, label = connected_components(surface.graph)
-    size = np.bincount(label[surface.used], minlength=count)
-    if (size > 0).sum() < 2:
-        return
-    of_face = label[surface.faces[:, 0]]
     areas = surface.face_areas
-    largest = [each for each in np.argsort(-size, kind="stable")[:_MOST_PARTS] if size[each] >= LEAST_POINTS]
-    for trial, component in enumerate(largest, start=1):
+    for trial, component in enumerate(large_components(surface, MOST_READ), start=1):
         if end is not None and monotonic() >= end:
             return
-        chosen = of_face == component
+        chosen = component[surface.faces[:, 0]]
         search = Search(
             surface=surface_of(_mesh_of(surface, chosen)),
             key=key,

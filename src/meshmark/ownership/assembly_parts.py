@@ -7,18 +7,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from meshmark.geometry.components import connected_components
 from meshmark.geometry.joints import joints_of
 from meshmark.geometry.surface import Surface
 from meshmark.geometry.surface_of import surface_of
 from meshmark.mesh import FloatArray, IntArray, Mesh
+from meshmark.ownership.large_components import MOST_MARKED, large_components
 from meshmark.ownership.points.moments_apart import moments_apart, stretched
 from meshmark.ownership.points.parameters import MOST_POINTS
 
-__all__ = ["LEAST_POINTS", "MOST_PARTS", "AssemblyPart", "assembly_parts", "parts_held_apart"]
+__all__ = ["AssemblyPart", "assembly_parts", "parts_held_apart"]
 
-# Components of at least this many points are marked and read on their own, the largest first; and at most how many.
-LEAST_POINTS, MOST_PARTS = 300, 32
 # A part whose moments agree better than they should by this is stretched: rounding and marks change less.
 CLOSER = 1e-5
 
@@ -48,21 +46,19 @@ def assembly_parts(surface: Surface) -> tuple[AssemblyPart, ...]:
     ----------
     surface : Surface
     """
-    count, label = connected_components(surface.graph)
-    size = np.bincount(label[surface.used], minlength=count)
-    large = np.argsort(-size, kind="stable")[:MOST_PARTS]
-    large = large[(size[large] >= LEAST_POINTS) & (size[large] <= MOST_POINTS)]
-    if np.count_nonzero(size) < 2 or not len(large):
+    components = large_components(surface, MOST_MARKED)
+    if not components:
         return ()
     joints = joints_of(surface).tocoo()
-    across = label[joints.row] != label[joints.col]
-    still = np.zeros(len(label), bool)
-    still[joints.row[across]] = True
-    still[joints.col[across]] = True
-    of_face = label[surface.faces[:, 0]]
     parts = []
-    for each in large:
-        rows, corners = np.unique(surface.faces[of_face == each], return_inverse=True)
+    for component in components:
+        if np.count_nonzero(component) > MOST_POINTS:
+            continue
+        touching = component[joints.row] != component[joints.col]
+        still = np.zeros(len(component), bool)
+        still[joints.row[touching]] = True
+        still[joints.col[touching]] = True
+        rows, corners = np.unique(surface.faces[component[surface.faces[:, 0]]], return_inverse=True)
         parts.append(AssemblyPart(rows=rows, faces=corners.reshape(-1, 3), still=still[rows]))
     return tuple(parts)
 

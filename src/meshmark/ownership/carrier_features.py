@@ -7,6 +7,7 @@ No feature changes when the phase of a cell that carries a bit is turned by pi, 
 from __future__ import annotations
 
 from typing import Final
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -32,6 +33,7 @@ NEAR: Final = 1.0
 FAR: Final = 2.0 * NEAR
 LEAST_LOCK: Final = 0.02
 LEAST_GRAIN: Final = 1e-4
+_KNOWN: Final[WeakKeyDictionary[Cells, tuple[FloatArray, FloatArray, FloatArray]]] = WeakKeyDictionary()
 
 
 def carrier_features(seen: Observation) -> FloatArray:
@@ -52,8 +54,7 @@ def carrier_features(seen: Observation) -> FloatArray:
     pilots = max(float(wave.real[pilot].mean()) if pilot.any() else 0.0, LEAST_LOCK)
     # A cell's agreement beside what is expected of its kind.
     rest = wave.real - np.where(pilot, pilots, lock)
-    near, far = _weights(cells)
-    facing = near * np.maximum(cells.normal @ cells.normal.T, 0.0) ** 2
+    near, far, facing = _weights(cells)
     grain = np.log(seen.relief.grain / seen.step + LEAST_GRAIN)
     ones = np.ones(len(seen))
     return np.column_stack(
@@ -71,19 +72,26 @@ def carrier_features(seen: Observation) -> FloatArray:
     )
 
 
-def _weights(cells: Cells) -> tuple[FloatArray, FloatArray]:
-    """Return (n, n) twice: how much each cell counts for each other one, by distance; nothing for itself.
+def _weights(cells: Cells) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return (n, n) thrice: how much each cell counts for each other one, by distance; nothing for itself.
 
-    The first by a Gaussian of width `NEAR`, the second by one of twice that, whose fourth power the first is.
+    The first by a Gaussian of width `NEAR`, the second by one of twice that, whose fourth power the first is; the
+    third is the first, less where cells face other ways. Several readings of one measurement come one after the
+    other: the last ones are kept as long as their cells.
     """
-    place = cells.nodes + cells.offset[:, None] * cells.normal
-    square = np.einsum("ij,ij->i", place, place)
-    distance = square[:, None] + square - 2.0 * place @ place.T
-    far = np.exp(np.minimum((-0.5 / FAR**2) * distance, 0.0))
-    np.fill_diagonal(far, 0.0)
-    near = far * far
-    near *= near
-    return near, far
+    known = _KNOWN.get(cells)
+    if known is None:
+        place = cells.nodes + cells.offset[:, None] * cells.normal
+        square = np.einsum("ij,ij->i", place, place)
+        distance = square[:, None] + square - 2.0 * place @ place.T
+        far = np.exp(np.minimum((-0.5 / FAR**2) * distance, 0.0))
+        np.fill_diagonal(far, 0.0)
+        near = far * far
+        near *= near
+        known = near, far, near * np.maximum(cells.normal @ cells.normal.T, 0.0) ** 2
+        _KNOWN.clear()
+        _KNOWN[cells] = known
+    return known
 
 
 def _mean_around(weights: FloatArray, values: FloatArray) -> FloatArray:

@@ -36,8 +36,10 @@ from meshmark.ownership.points.point_shaping import PointShaping
 from meshmark.ownership.search.search import Search
 from meshmark.ownership.vertex_displacement import displacement_rms
 
-__all__ = ["embed_in_parts", "is_read_in_part", "with_parts_apart"]
+__all__ = ["SURE", "embed_in_parts", "is_read_in_part", "with_parts_apart"]
 
+SURE = -12.0
+"""A part's mark counts where its bound is below 10^this: as a part it pays for further trials."""
 # Share of the budget that the mark of a part may move its points by, RMS, and of the largest displacement.
 PART_BUDGET, PART_LARGEST = 0.25, 0.3
 # Of the budget that what the stretch of round parts is measured by; it takes less than a third of that.
@@ -53,8 +55,6 @@ SHAKEN, SHAKE, COUNTED_ON = 0.3, 1.4e-4, 0.6
 BEARS = -40.0
 # Code bits that a part has at least beyond those that an id takes.
 MORE_BITS = 12
-# A part's mark counts where its bound is below 10^this: as a part it pays for further trials.
-SURE = -12.0
 # How much of the lock of a mark at points of the whole the marks of the parts may cost by their steps, about, tried
 # in turn; and how much of any lock must be left in fact.
 COSTS, LEFT = (0.06, 0.02), 0.9

@@ -27,20 +27,18 @@ from meshmark.authentication.marks.rings_of import rings_of
 from meshmark.authentication.marks.words import PURPOSE
 from meshmark.authentication.parameters import MARKED_LOG10, TRIED_IDS
 from meshmark.coding.keys import Key
-from meshmark.geometry.components import connected_parts
 from meshmark.geometry.surface import Surface
 from meshmark.mesh import FloatArray
+from meshmark.ownership.large_components import MOST_READ, large_components
 
 __all__ = ["MarkedId", "marked_ids"]
 
-# Ids that are read of one surface at most, and connected components that are read on their own, the largest first.
-_MOST_IDS, _MOST_PARTS = 8, 6
+# Ids that are read of one surface at most.
+_MOST_IDS = 8
 # Ids that are tried where pieces of an id are missing: of all that is left, and of a part of it.
 _TRIED, _FEWER_IDS = 1 << 16, 1 << 10
 # Fewer points than this do not carry an id; what is left is read where it is also this share of all.
 _LEAST, _WORTH_READING = 150, 0.02
-# Points that a component has that is read on its own.
-_PART = 300
 # Rounds in which marks are averaged over neighbours, and the share of the typical density of an id's marks, at the
 # median of them, from which on a point is in their part. Marks that hold by luck are thinner.
 _ROUNDS, _DENSE = 6, 0.5
@@ -87,7 +85,7 @@ def marked_ids(surface: Surface, key: Key) -> tuple[MarkedId, ...]:
         left = left & ~reader.taken
         if not reader.worth_reading(left):
             return reader.merged()
-    for part in _components(surface, left):
+    for part in large_components(surface, MOST_READ, left):
         reader.read(part, likely_only=True)
     return reader.merged()
 
@@ -190,7 +188,7 @@ class _Reader:
         """Return rows (c,) of candidates in each large component, none where there is one component only."""
         chosen = np.zeros(len(self.taken), bool)
         chosen[found.vertex] = True
-        return [part[found.vertex] for part in _components(self.surface, chosen)]
+        return [part[found.vertex] for part in large_components(self.surface, MOST_READ, chosen)]
 
     def _part_of(
         self, identity: int, found: Candidates, setting: Setting, parts: list[tuple[Rings, RingShapes]]
@@ -213,16 +211,6 @@ class _Reader:
             marks, able = (graph @ marks + marks) / degree, (graph @ able + able) / degree
         density = marks / np.maximum(able, 1e-9)
         return np.asarray((marks > 0.0) & (density >= _DENSE * float(np.median(density[held]))))
-
-
-def _components(surface: Surface, chosen: NDArray[np.bool_]) -> list[NDArray[np.bool_]]:
-    """Return (p,) of each of the largest components of the chosen points, none where there is one only."""
-    label = connected_parts(surface.graph, chosen)
-    size = np.bincount(label[label >= 0], minlength=1)
-    if len(size) < 2:
-        return []
-    largest = np.argsort(-size, kind="stable")[:_MOST_PARTS]
-    return [label == each for each in largest if size[each] >= _PART]
 
 
 def _regions(centre: FloatArray, components: list[NDArray[np.bool_]]) -> Iterator[NDArray[np.bool_]]:

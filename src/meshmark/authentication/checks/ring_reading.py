@@ -118,14 +118,20 @@ def _read(
 
 
 def chance_of(
-    found: Candidates, holds: NDArray[np.bool_], layout: Layout, more: Beside | None = None
+    found: Candidates,
+    holds: NDArray[np.bool_],
+    layout: Layout,
+    more: Beside | None = None,
+    *,
+    without_boundary: bool = True,
 ) -> float:
     """Bound the chance that as many marks hold by luck, times all layouts and levels (Chernoff).
 
-    Points that lie alike in rings that are alike count once: their marks hold or fail together. How many are tried
-    depends on what holds, so all numbers of tries count. more: tries besides, none of which holds.
+    Words that are alike in rings that are alike count once: they hold or fail together. How many are tried depends
+    on what holds, so all numbers of tries count. more: tries besides, none of which holds. without_boundary: marks
+    beside a boundary were read as if there were none, too, as `read_marks` does, which are two tries.
     """
-    total, nats = _against_luck(found, holds, layout, more)
+    total, nats = _against_luck(found, holds, layout, more, without_boundary=without_boundary)
     return min(0.0, log10(WAYS * max(total, 1)) - nats / log(10.0))
 
 
@@ -138,18 +144,30 @@ def beyond_luck(found: Candidates, holds: NDArray[np.bool_], layout: Layout) -> 
 
 
 def _against_luck(
-    found: Candidates, holds: NDArray[np.bool_], layout: Layout, more: Beside | None = None
+    found: Candidates,
+    holds: NDArray[np.bool_],
+    layout: Layout,
+    more: Beside | None = None,
+    *,
+    without_boundary: bool = True,
 ) -> tuple[int, float]:
     """Return how many different marks were tried, and the exponent (nats) of Chernoff's bound."""
-    tries = found.words[:, 0] ^ (found.whole.view(np.uint64) @ _MIX)
+    tries, boundary = _names(found.words[:, 0], found.whole, layout), found.boundary
     held = len(np.unique(tries[holds]))
     if more is not None:
-        beside = found.words[more.row, 0] ^ (more.whole.view(np.uint64) @ _MIX)
-        tries = np.concatenate([tries, beside])
+        tries = np.concatenate([tries, _names(found.words[more.row, 0], more.whole, layout)])
+        boundary = np.concatenate([boundary, boundary[more.row]])
     total = len(np.unique(tries))
+    if without_boundary:
+        total += len(np.unique(tries[boundary != 0]))
     luck = 2.0**-layout.check
     share = held / max(total, 1)
     if share <= luck:
         return total, 0.0
     rest = 0.0 if share >= 1.0 else (1.0 - share) * log((1.0 - share) / (1.0 - luck))
     return total, total * (share * log(share / luck) + rest)
+
+
+def _names(ring: NDArray[np.uint64], whole: IntArray, layout: Layout) -> NDArray[np.uint64]:
+    """Return one number (c,) each for words in rings (c,), of the whole places (c, 3) that say them."""
+    return np.asarray(ring ^ ((whole % np.array(layout.radix)).view(np.uint64) @ _MIX))

@@ -188,7 +188,7 @@ def _best(tried: _Tried, style: Style, key: Key, nonce: int | None) -> Setting |
         if last - first > (best.count if best is not None else 0):
             middle, doubt = (least + most) / 2.0, (most - least) / 2.0
             within = (size >= middle) & (size <= middle + 1.0)
-            chance = chance_of(found.take(within), holds[within], layout)
+            chance = chance_of(found.take(within), holds[within], layout, without_boundary=False)
             best = Setting(
                 unit=2.0 ** (middle / 2.0),
                 doubt=doubt,

@@ -59,8 +59,13 @@ def completed(
     return chosen
 
 
-def alike(found: Candidates) -> IntArray:
-    """Return the points of marks that tell the id whose rings are those of another one, but for one of each."""
+def alike(found: Candidates, kept: NDArray[np.bool_] | None = None) -> IntArray:
+    """Return the points of marks that tell the id whose rings are those of another one, but for one of each.
+
+    kept: (p,) points of which that one is, if it can be.
+    """
     header = found.take(found.kind == HEADER)
+    if kept is not None:
+        header = header.take(np.argsort(~kept[header.vertex], kind="stable"))
     first = np.unique(header.words[:, 0], return_index=True)[1]
     return np.delete(header.vertex, first)

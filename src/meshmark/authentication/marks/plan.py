@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from meshmark.authentication.marks.candidates import HEADER, PAYLOAD, PLACE, Candidates, joined
 from meshmark.authentication.marks.choice import alike, completed, firm_first
+from meshmark.authentication.marks.component_headers import headers_first
 from meshmark.authentication.marks.model_cells import cells_of, masks
 from meshmark.authentication.marks.ring_room import RingRoom, covered
 from meshmark.authentication.marks.symbols import covers_id, header_symbols, pieces_of_id, place_symbols
@@ -159,9 +160,13 @@ def plan(surface: Surface, key: Key, precision: float, choice: int = 0, style: S
                         f"{style.least}; it has too few points, or too fine ones for the precision of its file"
                     )
                 found = rings.found(chosen, key, layout)
+                first = headers_first(surface, rings, found, layout, key=key, chance=chance)
+                if first.any():
+                    chosen = completed(surface.connectivity, first, allowed, firm, chance)
+                    found = rings.found(chosen, key, layout)
                 ample = (found.kind == HEADER).sum() >= _AMPLE * pieces_of_id(layout.symbol)
                 for _ in range(_UNALIKE if ample else 0):
-                    gone = alike(found)
+                    gone = alike(found, first)
                     if not len(gone):
                         break
                     # Others are taken where they can be for marks of rings that are alike.

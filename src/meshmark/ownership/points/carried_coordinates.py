@@ -88,7 +88,7 @@ class Carried:
     @cached_property
     def coordinates(self) -> tuple[NDArray[np.bool_], ...]:
         """(p, 3) for each of `MODES`: the coordinates that carry where there is room."""
-        return tuple(chosen_coordinates(self.stars.tensor, mode) for mode in MODES)
+        return chosen_coordinates(self.stars.tensor, MODES)
 
     def turned(self, axes: FloatArray) -> tuple[NDArray[np.bool_], ...]:
         """Return `coordinates` along other axes (3, 3), the columns in canonical coordinates."""
@@ -96,4 +96,4 @@ class Carried:
         if np.allclose(np.abs(axes), np.eye(3)[:, order], atol=1e-9) and (order == np.arange(3)).all():
             return self.coordinates
         tensor = np.einsum("ji,pjk,kl->pil", axes, self.stars.tensor, axes)
-        return tuple(chosen_coordinates(tensor, mode) for mode in MODES)
+        return chosen_coordinates(tensor, MODES)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,8 +13,10 @@ from meshmark.ownership.points.parameters import FREE, SLIDING, TIES
 __all__ = ["chosen_coordinates", "held"]
 
 
-def chosen_coordinates(tensor: FloatArray, mode: tuple[int, int, int]) -> NDArray[np.bool_]:
-    """Return (p, 3): which canonical coordinates of each point carry.
+def chosen_coordinates(
+    tensor: FloatArray, modes: Sequence[tuple[int, int, int]]
+) -> tuple[NDArray[np.bool_], ...]:
+    """Return (p, 3) for each mode: which canonical coordinates of each point carry.
 
     One after the other the coordinate is taken that the point follows most cheaply, those taken before being held.
 
@@ -20,25 +24,23 @@ def chosen_coordinates(tensor: FloatArray, mode: tuple[int, int, int]) -> NDArra
     ----------
     tensor : (p, 3, 3) float array
         Of `Stars`, in canonical axes.
-    mode : (flat, crease, corner)
+    modes : sequence of (flat, crease, corner)
         How many coordinates points carry that can slide in two, one or no direction, each at most 3.
     """
     count = len(tensor)
     free = np.minimum((np.linalg.eigvalsh(tensor) < FREE).sum(axis=1), 2)
-    wanted = np.array(mode)[2 - free]
     ease = np.linalg.inv(tensor + SLIDING * np.eye(3))
-    chosen = np.zeros((count, 3), bool)
+    rank = np.full((count, 3), 3)  # when each is taken
     everyone = np.arange(count)
-    for taken in range(max(mode)):
+    for taken in range(max((number for mode in modes for number in mode), default=0)):
         worth = np.einsum("pii->pi", ease) * TIES
-        worth[chosen] = -1.0
+        worth[rank < taken] = -1.0
         best = worth.argmax(axis=1)
-        takes = wanted > taken
-        chosen[everyone[takes], best[takes]] = True
+        rank[everyone, best] = taken
         column = ease[everyone, :, best]
         pivot = np.maximum(ease[everyone, best, best], 1e-12)
         ease = ease - column[:, :, None] * (column / pivot[:, None])[:, None, :]
-    return chosen
+    return tuple(rank < np.array(mode)[2 - free][:, None] for mode in modes)
 
 
 def held(ease: FloatArray, carried: NDArray[np.bool_]) -> tuple[FloatArray, FloatArray]:

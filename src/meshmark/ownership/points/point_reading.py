@@ -128,15 +128,20 @@ class Framed:
         order = np.argsort(self.keys.draw[few], kind="stable")
         draw, place, dither = (each[few][order] for each in (self.keys.draw, self.points, self.keys.dither))
         group = self.group[few][order]
+        last = np.zeros(0, bool)
+        modes: list[tuple[NDArray[np.bool_], _Groups]] = []
         for step, room in zip(STEPS, self.room, strict=True):
             if not room.any():
                 continue
+            if not np.array_equal(room, last):  # small steps have the same room
+                last, modes = room, []
+                for coordinates in self.coordinates:
+                    carries = (coordinates & room[:, None])[few][order]
+                    modes.append((carries, _Groups.of(draw[carries], group[carries])))
             wave = np.exp(2j * _phases(place, step, dither))
             chances = []
-            for mode, coordinates in enumerate(self.coordinates):
-                carries = (coordinates & room[:, None])[few][order]
-                lock = _Waves(wave=wave[carries], draw=draw[carries], group=group[carries])
-                chances += lock.chances(float(step), mode, self.readable)
+            for mode, (carries, groups) in enumerate(modes):
+                chances += groups.chances(wave[carries], float(step), mode, self.readable)
             if chances:
                 chance, choice = min(chances, key=lambda entry: entry[0])
                 yield PointLock(log10_chance=chance, framed=self, choice=choice)
@@ -203,31 +208,44 @@ def _summed(wave: NDArray[np.complex128], group: IntArray) -> tuple[FloatArray, 
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class _Waves:
-    """The waves of coordinates, in the order of their draws; each (n,)."""
+class _Groups:
+    """The g groups of n coordinates that are in the order of their draws.
 
-    wave: NDArray[np.complex128]
-    draw: FloatArray
-    group: IntArray
+    number: (n,) the group of each; groups are in the order of their draws (g,), too. count: (g,) coordinates of
+    each group and those before.
+    """
 
-    def chances(self, step: float, mode: int, readable: int) -> list[tuple[float, Choice]]:
-        """Return the chance of the lock of each share that has at least so many coordinates."""
-        draw, group = self.draw, self.group
-        if not len(draw):
-            return []
+    number: IntArray
+    draws: FloatArray
+    count: IntArray
+
+    @classmethod
+    def of(cls, draw: FloatArray, group: IntArray) -> _Groups:
+        """Return those of coordinates with these draws (n,), rising, and groups (n,), of any numbers."""
         row = np.arange(len(group))
-        first = np.empty(int(group.max()) + 1, np.int64)
+        first = np.empty(int(group.max(initial=-1)) + 1, np.int64)
         first[group[::-1]] = row[::-1]  # where each group comes first: of several values the last one stays
-        first = np.flatnonzero(first[group] == row)
-        by_draw = group[first]  # groups in the order of their draws
-        real, square = (np.cumsum(each[by_draw]) for each in _summed(self.wave, group))
-        count = np.cumsum(np.bincount(group)[by_draw])
-        draws = draw[first]
+        starts = np.flatnonzero(first[group] == row)
+        number = np.empty_like(first)
+        number[group[starts]] = np.arange(len(starts))
+        return cls(
+            number=number[group],
+            draws=draw[starts],
+            count=np.cumsum(np.bincount(number[group], minlength=len(starts))),
+        )
+
+    def chances(
+        self, wave: NDArray[np.complex128], step: float, mode: int, readable: int
+    ) -> list[tuple[float, Choice]]:
+        """Return the chance of the lock of each share that has at least so many coordinates, of waves (n,)."""
+        if not len(wave):
+            return []
+        real, square = (np.cumsum(each) for each in _summed(wave, self.number))
         chances = []
         for share in SHARES:
             choice = Choice(step=step, mode=mode, share=share)
-            end = int(np.searchsorted(draws, choice.cut)) - 1
-            if end < 0 or count[end] < readable:
+            end = int(np.searchsorted(self.draws, choice.cut)) - 1
+            if end < 0 or self.count[end] < readable:
                 break
             chances.append((_log10_chance(float(real[end]), float(square[end])), choice))
         return chances

@@ -50,13 +50,20 @@ def cropped_readings(search: Search) -> Iterator[Reading]:
     if not frames:
         return
     suspect = _Suspect(search, frames[0])
+    again: dict[tuple[int, float], Response] = {}  # of the frames that are tried from a second cluster
     for cluster, many in enumerate(counts):
-        for frame in frames[:many]:
+        for number, frame in enumerate(frames[:many]):
             pose = _pose(frames[0], frame)
             known = search.spacings
             for spacing in suspect.spacings(frame.area) if known is None else known:
                 place = _Place(samples=suspect.samples(spacing), lattice=suspect.lattice(spacing), pose=pose)
-                yield from _grown(place, cluster, search.trials.charge())
+                charge = search.trials.charge()
+                response = again.pop((number, spacing), None)
+                if response is None:
+                    response = place.measured()
+                if cluster + 1 < len(counts) and number < counts[cluster + 1]:
+                    again[number, spacing] = response
+                yield from _grown(place, response, cluster, charge)
 
 
 class _Suspect:
@@ -119,9 +126,11 @@ class _Place:
         return replace(self, pose=self.pose.then(correction))
 
 
-def _grown(place: _Place, cluster: int, charge: float) -> Iterator[Reading]:
-    """Yield what locks from one cluster of cells on, the one that takes fewest corrections or one of the next."""
-    response = place.measured()
+def _grown(place: _Place, response: Response, cluster: int, charge: float) -> Iterator[Reading]:
+    """Yield what locks from one cluster of cells on, the one that takes fewest corrections or one of the next.
+
+    response: of the cells at the place.
+    """
     if not CARRIER_READABLE <= len(response) <= CARRIER_MOST:
         return
     places = response.measured.cells.nodes.astype(np.float64)
