@@ -85,8 +85,8 @@ def test_frame_of_the_marked_surface_is_the_frame_of_the_original(model, marked)
 
 
 def test_unmarked_models_and_wrong_keys_are_absent(marked):
-    assert extract(Mesh(*pebble(40)), KEY).presence == "absent"
-    wrong = extract(marked.mesh, OTHER)
+    assert extract(Mesh(*pebble(24)), KEY).presence == "absent"
+    wrong = extract(marked.mesh, OTHER, search="plain")
     assert (wrong.presence, wrong.id) == ("absent", None)
     assert wrong.log10_false_positive > -6
 
