@@ -30,7 +30,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def other(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Another model, smaller than the one that is included."""
     path = tmp_path_factory.mktemp("other") / "other.glb"
-    mm.write_mesh(mm.Mesh(*pebble(70)), path)
+    mm.write_mesh(mm.Mesh(*pebble(56)), path)
     return path
 
 

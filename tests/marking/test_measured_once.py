@@ -114,7 +114,7 @@ def test_both_layers_plan_once_and_code_one_miniature_and_each_surface_that_is_r
 
 
 def test_a_certificate_measures_nothing_again():
-    result = embed(Mesh(*pebble(50)), KEY, id=ID, layers="authentication", payload="none")
+    result = embed(Mesh(*pebble(50)), KEY, id=ID, payload="none")
     with counted() as calls:
         assert result.certificate.vertices == len(result.mesh.vertices)
     assert calls["weld"] == calls["canonical_frame"] == 0
