@@ -51,9 +51,7 @@ def test_blind_reading_survives(marked, text):
     assert found.log10_false_positive <= -6.0
 
 
-@pytest.mark.parametrize(
-    "text", ["crop:0.05+similarity:1", "crop:0.1+noise:0.003+similarity:1", "crop:0.4"]
-)
+@pytest.mark.parametrize("text", ["crop:0.05+similarity:1", "crop:0.1+noise:0.003+similarity:1", "crop:0.4"])
 def test_the_certificate_finds_the_mark_where_blind_reading_fails(marked, text, short_search):
     suspect = attacked(marked.mesh, text)
     assert extract(suspect, KEY, search="plain").id is None
