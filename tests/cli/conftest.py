@@ -49,8 +49,8 @@ def cli(capsys: pytest.CaptureFixture[str]) -> Run:
 
 @pytest.fixture
 def small_model(tmp_path: Path) -> Path:
-    """A model of 1,202 vertices."""
-    write_mesh(Mesh(*pebble(50)), tmp_path / "small.ply")
+    """A model of 762 vertices."""
+    write_mesh(Mesh(*pebble(40)), tmp_path / "small.ply")
     return tmp_path / "small.ply"
 
 

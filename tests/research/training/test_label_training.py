@@ -28,16 +28,9 @@ def planted(seed: int) -> tuple[np.ndarray, list[np.ndarray]]:
     return models, [np.vstack([rng.normal(size=(3, COUNT)), row]) for row in true]
 
 
-SHARED = 2.0**-9
-
-
-@pytest.fixture(scope="module")
-def matrix():
-    return fit_label_map(*planted(0), QUIET, SHARED).matrix
-
-
-def test_the_map_finds_the_directions_that_attacks_spare(matrix):
-    _, changes = planted(0)
+def test_the_map_finds_the_directions_that_attacks_spare():
+    models, changes = planted(0)
+    matrix = fit_label_map(models, changes, QUIET, 2.0**-9).matrix
     inside = TURN[:, :QUIET].T @ matrix
     assert np.linalg.norm(inside) > 0.995 * np.linalg.norm(matrix)
     moved = np.array([rows[-1] for rows in changes]) @ matrix
@@ -45,10 +38,11 @@ def test_the_map_finds_the_directions_that_attacks_spare(matrix):
     np.testing.assert_allclose(sizes / sizes[0], 1.0, atol=0.25)  # all bins as wide, against the drift
 
 
-def test_other_models_share_a_label_as_often_as_wanted(matrix):
+def test_other_models_share_a_label_as_often_as_wanted():
     others, _ = planted(5)
+    matrix = fit_label_map(*planted(0), QUIET, 2.0**-6).matrix
     found = collision(others @ matrix, np.random.default_rng(0))
-    assert 0.8 * SHARED < found < 1.25 * SHARED
+    assert 0.8 * 2.0**-6 < found < 1.25 * 2.0**-6
 
 
 def test_collisions_are_counted():
