@@ -15,13 +15,13 @@ __all__ = ["marked_pebble", "mosaic_of_pebbles", "other_copy"]
 
 
 @cache
-def marked_pebble(across: int = 70, **options: str) -> Embedding:
-    """Return the pebble, of 2,382 vertices by default, with `ID` under `KEY`; options: as `embed` takes them."""
+def marked_pebble(across: int = 58, **options: str) -> Embedding:
+    """Return the pebble, of 1,626 vertices by default, with `ID` under `KEY`; options: as `embed` takes them."""
     return embed(Mesh(*pebble(across)), KEY, id=ID, **options)
 
 
 @cache
-def other_copy(across: int = 70) -> Embedding:
+def other_copy(across: int = 58) -> Embedding:
     """Return the pebble with authentication marks of `OTHER_ID` under `KEY`."""
     return embed(Mesh(*pebble(across)), KEY, id=OTHER_ID, layers="authentication", payload="none")
 

@@ -79,7 +79,7 @@ def test_the_python_page_names_every_public_name(name):
 
 def test_the_python_example_runs(short_search, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    points, faces = pebble(70)  # as tall as the hare, and marked in a fraction of the time
+    points, faces = pebble(58)  # as tall as the hare, and marked in a fraction of the time
     mm.write_mesh(mm.Mesh(points * 100.0 / np.ptp(points[:, 1]) + [0.0, 50.0, 0.0], faces), "hare.ply")
     (example,) = re.findall(r"```python\n(.*?)```", PYTHON, re.DOTALL)
     exec(compile(example, "docs/python.md", "exec"), {})
@@ -119,7 +119,7 @@ def test_the_story_of_a_leak_prints_what_the_page_shows(short_search, tmp_path, 
     (tmp_path / "customers.csv").write_text("recipient\nAnn\nBob\n")
     mm.Key(bytes(32)).save("my.key")
     story = tool.sessions()[1].replace("hare.ply", "pebble.ply")
-    mm.write_mesh(mm.Mesh(*pebble(60)), "pebble.ply")
+    mm.write_mesh(mm.Mesh(*pebble(48)), "pebble.ply")
     masked = re.compile(rf"{NUMBER.pattern}|\b[0-9a-f]{{16}}\b|read .*;")
     for command, shown, code, printed in some(tool.commands(story), least=4):
         assert code == 0, command

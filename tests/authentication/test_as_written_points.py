@@ -13,9 +13,9 @@ from meshmark.marking import Certificate, authenticate, embed
 from meshmark.mesh import Mesh
 from tests.counting import some
 from tests.keys import ID, KEY, OTHER
-from tests.low_poly import ball, box, soup, table
+from tests.low_poly import ball, box, soup
 
-SHAPES = {"box": box((6, 5, 4), (3.0, 2.0, 1.3)), "ball": ball(2), "table": table()}
+SHAPES = {"box": box((6, 5, 4), (3.0, 2.0, 1.3)), "ball": ball(1)}
 
 
 @pytest.fixture(scope="module", params=SHAPES)

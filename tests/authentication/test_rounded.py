@@ -88,7 +88,7 @@ def coarse():
     return mesh
 
 
-@pytest.mark.parametrize("tolerance", ["strict", "default", "tolerant", "web"])
+@pytest.mark.parametrize("tolerance", ["strict", "web"])
 def test_a_tolerance_that_is_asked_for_is_kept_or_refused(coarse, tolerance):
     with pytest.raises(CapacityError, match="authentication"):
         embed(coarse, KEY, id=ID, strength="strong", tolerance=tolerance)

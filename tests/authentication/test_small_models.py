@@ -72,7 +72,7 @@ def test_a_component_that_is_gone_is_missed():
 
 
 def test_marks_that_hold_without_the_id_below_are_not_authentic(small, monkeypatch):
-    nothing = mm.extract(small.mesh, OTHER)
+    nothing = mm.extract(small.mesh, OTHER, search="plain")
     assert nothing.id is None
     monkeypatch.setattr("meshmark.authentication.examination.extract", lambda *_, **__: nothing)
     found = mm.authenticate(small.mesh, KEY)

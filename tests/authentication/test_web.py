@@ -67,8 +67,9 @@ def test_a_grid_that_lies_elsewhere_is_borne_too(web):
         assert found.requantised is not None
 
 
-@pytest.mark.parametrize("grid", GRIDS)
-@pytest.mark.parametrize("edit", ["bump", "move_part", "replace_part"])
+@pytest.mark.parametrize(
+    ("edit", "grid"), [("bump", "packed"), ("move_part", "halves"), ("replace_part", "packed")]
+)
 def test_an_edit_of_an_export_is_altered_and_found(web, grid, edit):
     exported = web.mesh.with_vertices(_on(grid, web.mesh.vertices))
     attacked = ATTACKS[edit].apply(exported, 0.02, np.random.default_rng(6), Given())
@@ -118,7 +119,7 @@ def test_coordinates_show_the_bits_of_both_grids(grid):
 
 
 def test_a_glb_bears_web_exports_by_default_and_an_obj_does_not(tmp_path):
-    mesh = Mesh(*pebble(70))
+    mesh = Mesh(*pebble(60))
     used = {}
     for name, tolerance in (("a.glb", None), ("b.obj", None), ("c.gltf", "default")):
         made = embed_file(mesh, tmp_path / name, KEY, id=ID, payload="none", tolerance=tolerance)
@@ -129,7 +130,7 @@ def test_a_glb_bears_web_exports_by_default_and_an_obj_does_not(tmp_path):
 
 def test_a_glb_without_room_has_marks_of_the_default_and_says_so(tmp_path):
     made = embed_file(
-        Mesh(*pebble(70)), tmp_path / "a.glb", KEY, id=ID, layers="authentication", strength="subtle"
+        Mesh(*pebble(60)), tmp_path / "a.glb", KEY, id=ID, layers="authentication", strength="subtle"
     )
     assert made.authentication is not None
     assert made.authentication.tolerance == "default"
@@ -138,11 +139,11 @@ def test_a_glb_without_room_has_marks_of_the_default_and_says_so(tmp_path):
 
 def test_a_tolerance_that_is_named_is_refused_without_room():
     with pytest.raises(CapacityError):
-        embed(Mesh(*pebble(70)), KEY, id=ID, layers="authentication", strength="subtle", tolerance="web")
+        embed(Mesh(*pebble(60)), KEY, id=ID, layers="authentication", strength="subtle", tolerance="web")
 
 
 def test_no_mark_bears_11_bits_and_the_answer_says_which_rounding_it_was():
-    made = embed(Mesh(*pebble(70)), KEY, id=ID, tolerance="web", payload="none")
+    made = embed(Mesh(*pebble(60)), KEY, id=ID, tolerance="web", payload="none")
     start, step = made.mesh.vertices.min(axis=0), np.ptp(made.mesh.vertices, axis=0).max() / (2**11 - 1)
     rounded = Mesh(start + np.rint((made.mesh.vertices - start) / step) * step, made.mesh.faces)
     for reference in (None, made.certificate):

@@ -49,8 +49,8 @@ def cli(capsys: pytest.CaptureFixture[str]) -> Run:
 
 @pytest.fixture
 def small_model(tmp_path: Path) -> Path:
-    """A model of 1,202 vertices."""
-    write_mesh(Mesh(*pebble(50)), tmp_path / "small.ply")
+    """A model of 762 vertices."""
+    write_mesh(Mesh(*pebble(40)), tmp_path / "small.ply")
     return tmp_path / "small.ply"
 
 
@@ -89,7 +89,7 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> Files:
     import json
 
     folder = tmp_path_factory.mktemp("files")
-    points, faces = pebble(84)
+    points, faces = pebble(66)
     model = folder / "pebble.ply.gz"
     model.write_bytes(gzip.compress(coloured_ply(points, faces), mtime=0))
     found = Files(model, folder / "owner.key", folder / "marked.ply", {}, len(points), len(faces))

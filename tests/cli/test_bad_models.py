@@ -111,12 +111,11 @@ def test_what_is_refused_of_hostile_files_is_named(cli, files, tmp_path, shared_
         path for path in sorted((shared_data / "hostile").rglob("*")) if path.suffix.lower() in suffixes
     ]
     refused = 0
-    for path in some(path for path in hostile if path.stat().st_size < 200):
-        for line in (("embed", path, tmp_path / "out.ply"), ("recover", path, tmp_path / "out.ply")):
-            ran = cli(*line, "--key", files.key)
-            assert ran.code in (1, 2, 4), ran
-            assert path.name in (ran.out if ran.code == 1 else ran.err)
-            refused += ran.code != 1
+    for number, path in enumerate(some(path for path in hostile if path.stat().st_size < 200)):
+        ran = cli("recover" if number % 2 else "embed", path, tmp_path / "out.ply", "--key", files.key)
+        assert ran.code in (1, 2, 4), ran
+        assert path.name in (ran.out if ran.code == 1 else ran.err)
+        refused += ran.code != 1
         assert not list(tmp_path.iterdir())
     assert refused > 60
 

@@ -82,13 +82,10 @@ run()
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs resource limits")
-@pytest.mark.parametrize("command", ["embed", "segment"])
-def test_no_space_for_the_output(files, small_model, tmp_path, command):
+def test_no_space_for_a_picture(small_model, tmp_path):
+    """Of models and other outputs: test_outputs.py."""
     before = snapshot(tmp_path)
-    line = {
-        "embed": ["embed", small_model, tmp_path / "out.ply", "--key", files.key, "--layers", "ownership"],
-        "segment": ["segment", small_model, "--picture", tmp_path / "out.png"],
-    }[command]
+    line = ["segment", small_model, "--picture", tmp_path / "out.png"]
     ran = subprocess.run(
         [sys.executable, "-c", LIMITED, *map(str, line)],
         capture_output=True,

@@ -30,7 +30,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def other(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Another model, smaller than the one that is included."""
     path = tmp_path_factory.mktemp("other") / "other.glb"
-    mm.write_mesh(mm.Mesh(*pebble(70)), path)
+    mm.write_mesh(mm.Mesh(*pebble(56)), path)
     return path
 
 
@@ -88,7 +88,7 @@ def test_travelled_is_a_similarity_with_noise_of_the_stated_size_and_keeps_coinc
 
 
 @pytest.mark.parametrize(("presence", "code"), [("absent", 1), ("inconclusive", 3), ("present", 1)])
-def test_the_demo_fails_where_the_id_does_not_come_back(cli, folder, other, monkeypatch, presence, code):
+def test_the_demo_fails_where_the_id_does_not_come_back(cli, folder, tmp_path, monkeypatch, presence, code):
     import meshmark.cli.demo as program
     import meshmark.marking as scheme
     import meshmark.report.demo_picture as drawing
@@ -100,7 +100,8 @@ def test_the_demo_fails_where_the_id_does_not_come_back(cli, folder, other, monk
     true = scheme.extract(mm.read_mesh(folder / "changed.glb"), mm.Key.load(folder / "demo.key"))
     wrong = replace(true, presence=presence, id=1 if presence == "present" else None)
     monkeypatch.setattr(scheme, "extract", lambda *_, **__: wrong)
-    ran = cli("demo", other, "--out", folder, "--force")
+    mm.write_mesh(mm.Mesh(*pebble(30)), tmp_path / "small.glb")
+    ran = cli("demo", tmp_path / "small.glb", "--out", folder, "--force")
     assert ran.code == code
     assert "did not come back" in ran.out
 

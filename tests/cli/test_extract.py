@@ -89,10 +89,9 @@ def test_extract_tells_numbers_that_help_to_remove_a_mark_only_to_who_diagnoses(
     assert "below 10^-30." not in cli(*line, "--diagnose").out
 
 
-@pytest.mark.parametrize("search", ["quick", "wide"])
-def test_extract_from_an_unmarked_model_exits_with_1(cli, files, tmp_path, short_search, search):
-    mm.write_mesh(mm.Mesh(*pebble(30)), tmp_path / "unmarked.ply")
-    ran = cli("extract", tmp_path / "unmarked.ply", "--key", files.key, "--search", search, "--json")
+def test_extract_from_an_unmarked_model_exits_with_1(cli, files, tmp_path, short_search):
+    mm.write_mesh(mm.Mesh(*pebble(24)), tmp_path / "unmarked.ply")
+    ran = cli("extract", tmp_path / "unmarked.ply", "--key", files.key, "--search", "wide", "--json")
     found = only_object(ran.out)
     assert (ran.code, found["presence"], found["id"]) == (1, "absent", None)
 
@@ -116,7 +115,7 @@ def test_extract_that_cannot_tell_exits_with_3(cli, files, monkeypatch):
     assert "too small" in ran.out
 
 
-def test_a_part_of_a_model_is_read_with_its_certificate(tmp_path, cli):
+def test_a_part_of_a_model_is_read_with_its_certificate(tmp_path, cli, short_search):
     model, marked, part, key, certificate = (
         str(tmp_path / name) for name in ("in.ply", "marked.ply", "part.ply", "my.key", "model.cert")
     )

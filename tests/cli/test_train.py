@@ -21,7 +21,7 @@ def folder(tmp_path):
     home = tmp_path / "models"
     home.mkdir()
     for name, stretch in (("long", 1.2), ("short", 1.0)):
-        points, faces = pebble(60)
+        points, faces = pebble(52)
         write_mesh(Mesh(points * [stretch, 1.0, 1.0], faces), home / f"{name}.off")
     write_mesh(TETRAHEDRON, home / "tiny.off")
     return home

@@ -76,28 +76,35 @@ def counted() -> Iterator[Counter[str]]:
             each.stop()
 
 
-def test_an_embedding_of_both_layers_welds_at_most_twice_and_finds_three_frames():
+@pytest.fixture(scope="module")
+def of_both_layers() -> Counter[str]:
+    """Return what an embedding of both layers calls."""
+    with counted() as calls:
+        result = embed(Mesh(*pebble(70)), KEY, id=ID)
+    assert result.layers == "both"
+    assert result.authentication is not None
+    return calls
+
+
+def test_an_embedding_of_both_layers_welds_at_most_twice_and_finds_three_frames(of_both_layers):
     """The input is welded. All other meshes have its points, which is checked instead of welding them anew.
 
     These are the mesh between the layers, the output (and the marks that were tried before it), and each rounding
     that a tolerance promises to bear. One of them where rounding joins two points is welded, as
     `test_surface_of` shows; here none is. Framed are the input, the mesh with the id and the output.
     """
-    mesh = Mesh(*pebble(70))
-    with counted() as calls:
-        result = embed(mesh, KEY, id=ID)
-    assert result.layers == "both"
+    calls = of_both_layers
     assert 1 <= calls["weld"] <= 2
     assert 1 <= calls["canonical_frame"] <= 3
     assert calls["ordered_rings"] == 1
     assert calls["ring_shapes"] > 0
 
 
-def test_both_layers_plan_once_and_code_one_miniature_and_each_surface_that_is_read_is_shaped_once():
+def test_both_layers_plan_once_and_code_one_miniature_and_each_surface_that_is_read_is_shaped_once(
+    of_both_layers,
+):
     """Where a promised rounding leaves a point unread, some marks are mended; the rest is not planned anew."""
-    with counted() as calls:
-        result = embed(Mesh(*pebble(70)), KEY, id=ID)
-    assert result.authentication is not None
+    calls = of_both_layers
     assert calls["miniature"] == 1
     assert 1 <= calls["encode_mesh"] <= 3
     assert calls["plan"] == 1

@@ -21,7 +21,7 @@ POSE = Similarity(scale=2.5, rotation=rotation_of(np.array([0.3, 1.0, 0.4])), sh
 
 
 def original() -> Mesh:
-    return Mesh(*pebble(70))
+    return Mesh(*pebble(58))
 
 
 def bumped() -> tuple[Mesh, np.ndarray]:

@@ -103,7 +103,7 @@ def test_samples_lie_on_faces_and_edges_and_are_spread_by_size():
 
 
 @pytest.mark.shared
-@pytest.mark.parametrize("pair", ["bimba", "cow_smooth10", "cow_smooth30", "cow_simp50", "bunny_noise003"])
+@pytest.mark.parametrize("pair", ["bimba", "cow_smooth30", "cow_simp50"])
 def test_within_two_percent_of_a_metro_style_tool(shared_data, pair):
     """Values made with pymeshlab 2025.7, two million samples of vertices, edges and faces (README there)."""
     folder = shared_data / "msdm2"

@@ -85,8 +85,8 @@ def test_frame_of_the_marked_surface_is_the_frame_of_the_original(model, marked)
 
 
 def test_unmarked_models_and_wrong_keys_are_absent(marked):
-    assert extract(Mesh(*pebble(40)), KEY).presence == "absent"
-    wrong = extract(marked.mesh, OTHER)
+    assert extract(Mesh(*pebble(24)), KEY).presence == "absent"
+    wrong = extract(marked.mesh, OTHER, search="plain")
     assert (wrong.presence, wrong.id) == ("absent", None)
     assert wrong.log10_false_positive > -6
 
@@ -155,10 +155,11 @@ def test_a_stray_vertex_does_not_stretch_the_budget(model):
     assert moved <= BUDGETS["standard"] * np.linalg.norm(np.ptp(model.vertices, axis=0))
 
 
-@pytest.mark.parametrize("scale", [1e-80, 1e80])
+@pytest.mark.parametrize("scale", [1e-80, 1e70])
 def test_any_unit_will_do(scale):
     points, faces = pebble(40)
     result = embed(Mesh(points * scale, faces), KEY, id=ID)
+    assert not result.ownership.at_points
     assert extract(result.mesh, KEY).id == ID
 
 

@@ -33,7 +33,7 @@ def test_two_copies_with_two_ids_are_told_apart(marked, second):
 
 
 def test_a_mark_of_another_key_leaves_the_first():
-    marked = embed(Mesh(*boulder(110)), KEY, id=1, layers="ownership", strength="strong").mesh
+    marked = embed(Mesh(*boulder(90)), KEY, id=1, layers="ownership", strength="strong").mesh
     both = embed(marked, OTHER, id=3, layers="ownership").mesh
     assert (extract(both, KEY).id, extract(both, OTHER).id) == (1, 3)
 

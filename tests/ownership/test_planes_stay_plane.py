@@ -55,11 +55,11 @@ def test_a_column_of_flat_panels_stays_one():
 def test_large_models_keep_the_tougher_mark(mixed, monkeypatch):
     monkeypatch.setattr(embedding, "SMALL", 100)
     monkeypatch.setattr(embedding, "TOUGH", 1e9)
-    assert not embed(mixed, KEY, id=ID).mark.at_points
+    made = embed(mixed, KEY, id=ID)
+    assert not made.mark.at_points
     task = EmbeddingTask(mesh=mixed, key=KEY, identity=ID, strength="standard", rms=8e-4)
     assert task.has_planes
-    dented = embed(mixed, KEY, id=ID).mesh
-    assert not task.keeps_planes(dented)
+    assert not task.keeps_planes(made.mesh)
 
 
 def test_cells_that_bear_no_noise_give_way_to_points(monkeypatch):

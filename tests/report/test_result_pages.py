@@ -44,7 +44,7 @@ def read(report: Report) -> str:
 
 
 def test_an_embedding_shows_the_displacement_and_warns_of_it():
-    report = embedding_report(Mesh(*pebble(70)), marked_pebble(), ORIGIN)
+    report = embedding_report(Mesh(*pebble(58)), marked_pebble(), ORIGIN)
     page = read(report)
     assert layers(report) == ["surface", "displacement", "saliency"]
     assert f"The model carries the id {IDENTITY}" in page

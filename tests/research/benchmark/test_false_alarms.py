@@ -37,10 +37,10 @@ def test_a_run_goes_on_where_another_stopped(data, monkeypatch, capsys):
         ("few/stone.obj", "authentication", "strict")
     ]
     assert (first[0].outcome, first[0].alarms, first[0].trials) == ("marked", 0, 17)
-    assert _run(monkeypatch, data, "--layers", "authentication", "ownership") == 0
+    assert _run(monkeypatch, data, "--layers", "authentication", "ownership", "--written") == 0
     rows = false_alarms.read_rows(data / "rows.csv")
     assert rows[:1] == first
-    assert [row.layers for row in rows] == ["authentication", "ownership"]
+    assert [(row.layers, row.trials) for row in rows] == [("authentication", 17), ("ownership", 1)]
     assert "2 rows wanted, 1 to make" in capsys.readouterr().out
 
 

@@ -180,10 +180,10 @@ def test_misfortune_is_a_row_and_harms_no_other(pair, tmp_path, scheme, status, 
 def test_a_case_that_hangs_is_a_row_and_harms_no_other(pair, tmp_path, monkeypatch):
     # Workers come from a server with the environment of the first run, so this needs a process of its own.
     monkeypatch.setenv("TOY_HUNG", str(tmp_path / "hung"))
-    command = driver("speed", pair, tmp_path / "out", "hanging", limit=20.0)
+    command = driver("speed", pair, tmp_path / "out", "hanging", limit=8.0)
     subprocess.run(command, check=True, timeout=300)
     (lost,) = [row for row in rows_in(tmp_path / "out") if row.status != "ok"]
-    assert (lost.case.model, lost.status, lost.note) == ("odd.off", "timeout", "took longer than 20 s")
+    assert (lost.case.model, lost.status, lost.note) == ("odd.off", "timeout", "took longer than 8 s")
     assert (tmp_path / "hung").exists()
 
 

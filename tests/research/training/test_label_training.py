@@ -38,13 +38,11 @@ def test_the_map_finds_the_directions_that_attacks_spare():
     np.testing.assert_allclose(sizes / sizes[0], 1.0, atol=0.25)  # all bins as wide, against the drift
 
 
-@pytest.mark.parametrize("shared", [2.0**-6, 2.0**-9])
-def test_other_models_share_a_label_as_often_as_wanted(shared):
-    models, changes = planted(0)
+def test_other_models_share_a_label_as_often_as_wanted():
     others, _ = planted(5)
-    matrix = fit_label_map(models, changes, QUIET, shared).matrix
+    matrix = fit_label_map(*planted(0), QUIET, 2.0**-6).matrix
     found = collision(others @ matrix, np.random.default_rng(0))
-    assert 0.8 * shared < found < 1.25 * shared
+    assert 0.8 * 2.0**-6 < found < 1.25 * 2.0**-6
 
 
 def test_collisions_are_counted():

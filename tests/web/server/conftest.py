@@ -39,9 +39,9 @@ def registry_server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served
 
 @pytest.fixture(scope="session")
 def pebble_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A model of 2,382 vertices."""
+    """A model of 1,514 vertices."""
     path = tmp_path_factory.mktemp("model") / "pebble.ply"
-    write_mesh(Mesh(*pebble(70)), path)
+    write_mesh(Mesh(*pebble(56)), path)
     return path
 
 

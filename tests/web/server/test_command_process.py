@@ -28,7 +28,7 @@ def test_a_command_is_run_in_its_folder_with_its_stages_and_its_answer(tmp_path,
 
     found = asyncio.run(scenario())
     assert found["code"] == 0
-    assert found["answer"]["vertices"] == 2382
+    assert found["answer"]["vertices"] == 1514
     assert told[0] == {"ready": True}
 
 

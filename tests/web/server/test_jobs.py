@@ -94,7 +94,7 @@ def test_what_is_no_model_fails_with_the_sentence_of_the_command_line(server, tm
 
 def test_a_gltf_comes_with_its_files_and_goes_back_with_them(server, tmp_path):
     """Its texture lies in a folder, which an upload does not tell."""
-    points, faces = pebble(70)
+    points, faces = pebble(36)
     write_mesh(Mesh(points, faces), tmp_path / "plain.gltf")
     tree = json.loads((tmp_path / "plain.gltf").read_text())
     buffers = [tmp_path / each["uri"] for each in tree["buffers"] if not each["uri"].startswith("data:")]

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from meshmark.authentication.checks.ring_reading import chance_of, window_of
+from meshmark.authentication.checks.words_once import WordsOnce
 from meshmark.authentication.marks.candidates import (
     HEADER,
     Candidates,
@@ -111,12 +112,13 @@ def likeliest_setting(
     diagonal = float(np.linalg.norm(np.ptp(middles, axis=0)))
     if not diagonal > 0.0:  # a single ring
         return None
+    once = [WordsOnce(key.subkey(PURPOSE), len(group.vertex)) for group, _ in sample]
     for style, error, near in _LIKELY:
         finest = style.unit * error * diagonal
         styled = [(group, in_style(shape, style)) for group, shape in sample]
         likely = [np.floor(level_of(shape, finest))[:, None] + np.array(near) for _, shape in styled]
         only = HEADER if nonce is None else None
-        best = _best(_tried(points, styled, likely, key, only), style, key, nonce)
+        best = _best(_tried(points, styled, likely, once, only), style, key, nonce)
         if (
             best is not None
             and best.log10_chance <= _CLEAR_LOG10
@@ -131,7 +133,7 @@ def likeliest_setting(
     for styles in ((FINE,) if total > SMALL_RINGS else (FINE, SMALL), (WEB,)):  # the marks of each lie alike
         styled = [(group, in_style(shape, styles[0])) for group, shape in sample]
         only = HEADER if nonce is None and SMALL not in styles else None
-        tried = _tried(points, styled, every_level, key, only)
+        tried = _tried(points, styled, every_level, once, only)
         found += [best for style in styles if (best := _best(tried, style, key, nonce)) is not None]
     return min(found, key=lambda each: each.log10_chance, default=None)
 
@@ -154,17 +156,17 @@ def _tried(
     points: FloatArray,
     sample: list[tuple[Rings, RingShapes]],
     levels: list[FloatArray],
-    key: Key,
+    once: list[WordsOnce],
     only: int | None,
 ) -> _Tried:
     """Return the candidates of rings with `levels` (r, k); `only` those of a kind."""
-    subkey = key.subkey(PURPOSE)
     parts = []
-    for (group, shape), level in zip(sample, levels, strict=True):
+    for (group, shape), level, words in zip(sample, levels, once, strict=True):
         row, column = np.nonzero((level >= LEVELS[0]) & (level <= LEVELS[-1]))
         tried = level[row, column].astype(np.int64)
         shaped = shape.take(row)
-        found = candidates(points, group.take(row), shaped, tried, subkey, all_ways=False, only=only)
+        hashed = words.of(row, tried)
+        found = candidates(points, group.take(row), shaped, tried, hashed, all_ways=False, only=only)
         parts.append(((level_of(shaped, 1.0) - tried)[found.ring], found))
     return _Tried(found=joined([part[1] for part in parts]), size=np.concatenate([part[0] for part in parts]))
 

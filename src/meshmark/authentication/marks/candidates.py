@@ -17,6 +17,7 @@ from meshmark.authentication.marks.ring_ways import (
     HEADER,
     PAYLOAD,
     PLACE,
+    Hash,
     Ways,
     lengths,
     step_of,
@@ -166,12 +167,15 @@ def candidates(
     rings: Rings,
     shapes: RingShapes,
     level: IntArray,
-    subkey: bytes,
+    subkey: bytes | Hash,
     *,
     all_ways: bool,
     only: int | None = None,
 ) -> Candidates:
-    """Return the candidates of rings with these levels (r,): the plain one or `all_ways`, `only` of one kind."""
+    """Return the candidates of rings with these levels (r,): the plain one or `all_ways`, `only` of one kind.
+
+    subkey: see `ways`.
+    """
     found = ways(rings, shapes, np.arange(len(rings.vertex)), level, subkey, all_ways=all_ways)
     return placed(points, found if only is None else found.of_kind(only))
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from itertools import product
-from typing import Final
+from typing import Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,10 +19,12 @@ from meshmark.authentication.parameters import AMBIGUOUS, HASH_STEP, HASH_STEPS
 from meshmark.coding.keyed import cell_words
 from meshmark.mesh import FloatArray, IntArray
 
-__all__ = ["HEADER", "PAYLOAD", "PLACE", "Ways", "lengths", "step_of", "tolerances", "ways"]
+__all__ = ["HEADER", "PAYLOAD", "PLACE", "WORDS", "Hash", "Ways", "lengths", "step_of", "tolerances", "ways"]
 
 HEADER, PLACE, PAYLOAD = 0, 1, 2
 """What the symbol of a mark is: a piece of the model's id, the mark's place, or a symbol of the payload."""
+WORDS: Final = 7
+"""Number of a ring's keyed numbers."""
 # Number of marks in 32 that carry the id, and that carry their place.
 _HEADERS: Final = 3
 _PLACES: Final = 4
@@ -53,18 +55,29 @@ class Ways:
         return replace(self, **{name: getattr(self, name)[kept] for name in names})
 
 
+class Hash(Protocol):
+    """What gives rings their keyed numbers."""
+
+    def __call__(self, read: IntArray, cell: FloatArray) -> NDArray[np.uint64]:
+        """Return the numbers (n, WORDS) of rings as they were read (n, 2 + 2k), lengths in units `cell` (n,)."""
+
+
 def step_of(level: IntArray) -> FloatArray:
     """Return the steps (r,) of levels, in units of the ring size."""
     return np.asarray(2.0 ** (-np.asarray(level, np.float64) / 2.0))
 
 
 def ways(
-    rings: Rings, shapes: RingShapes, rows: IntArray, level: IntArray, subkey: bytes, *, all_ways: bool
+    rings: Rings, shapes: RingShapes, rows: IntArray, level: IntArray, subkey: bytes | Hash, *, all_ways: bool
 ) -> Ways:
-    """Return the ways to read the rings `rows` (n,) with these levels (n,): the plain one of each, or all."""
-    some, distance = shapes.take(rows), shapes.distance[rows]
+    """Return the ways to read the rings `rows` (n,) with these levels (n,): the plain one of each, or all.
+
+    subkey: from which the keyed numbers follow, or, of the plain ways, what gives those of all rows in their order.
+    """
+    every = len(rows) == len(shapes.size) and bool((rows == np.arange(len(rows))).all())
+    some = shapes if every else shapes.take(rows)  # a copy of each array, where it is needed
     tolerance = tolerances(some, level)
-    row, first = starts(distance, tolerance if all_ways else np.zeros(len(rows)))
+    row, first = starts(some.distance, tolerance if all_ways else np.zeros(len(rows)))
     if not all_ways:
         row, unique = np.unique(row, return_index=True)
         first = first[unique]
@@ -82,7 +95,8 @@ def ways(
         row, order = row[again], order[again]
     # What is hashed besides the lengths is the level and whether the ring is open.
     heads = np.stack([level[row], rings.open[rows[row]].astype(np.int64)], axis=1)
-    words = cell_words(subkey, np.concatenate([heads, whole], axis=1), 7)
+    read = np.concatenate([heads, whole], axis=1)
+    words = cell_words(subkey, read, WORDS) if isinstance(subkey, bytes) else subkey(read, cell)
     kind = (words[:, 0] >> np.uint64(59)).astype(np.int64)
     kind = np.where(kind < _HEADERS, HEADER, np.where(kind < _HEADERS + _PLACES, PLACE, PAYLOAD))
     return Ways(
