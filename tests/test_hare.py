@@ -12,7 +12,7 @@ from meshmark.data.packing import packed, sorted_faces, unpacked
 from tests.shapes import pebble
 
 # Recorded when the hare was made; its marks in the README's tour are of these bytes.
-DIGEST = "29b0058e6c2ef5b0fb141ecfab3ef6f87d442cc6dbf14f467fbe61767008f265"
+DIGEST = "04c342f5959c8a0c3907c740c03947c404f0a373b793163c5fdd6867424dc42c"
 STEP = 2.0**-10
 
 

@@ -20,7 +20,7 @@ MILLIMETRES = 30.0
 # Colours in steps that fur and grass hide take a third of the bytes.
 SHADES = 17
 # Positions on a fine grid of millimetres, and triangles in order, are packed without loss.
-STEP = 2.0**-12
+STEP = 2.0**-9
 HOME = Path(__file__).resolve().parents[1] / "src" / "meshmark" / "data" / "hare.drc"
 
 
@@ -33,7 +33,7 @@ def build() -> tuple[Points, Faces, Colours]:
     shades = np.rint(SHADES * np.clip(hare.colour(vertices, normals), 0, 1))
     colours = (255 // SHADES * shades).astype(np.uint8)
     vertices = vertices + hare.relief(vertices)[:, None] * normals
-    positions = (np.rint(vertices * MILLIMETRES / STEP) * STEP).astype(np.float32)
+    positions = (np.rint(vertices * MILLIMETRES / STEP) * STEP + 0.0).astype(np.float32)  # no negative zeros
     return positions, sorted_faces(faces.astype(np.int32)), colours
 
 
