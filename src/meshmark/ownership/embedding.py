@@ -92,7 +92,7 @@ def embed(
     )
     parts = assembly_parts(task.surface)
     if not parts:
-        return _marked(task)
+        return _with_fingerprint(task)
     from meshmark.ownership.embedding_in_parts import embed_in_parts, with_parts_apart
 
     apart = with_parts_apart(task, parts)
@@ -103,6 +103,23 @@ def embed(
             raise
         owned = _marked(task)
     return embed_in_parts(task, owned, parts)
+
+
+def _with_fingerprint(task: EmbeddingTask) -> Owned:
+    """Return the mark, in cells with a fingerprint beside them where there is room for both."""
+    from meshmark.ownership.fingerprint.fingerprint_embedding import (
+        leaving_room,
+        may_have_fingerprint,
+        with_fingerprint,
+    )
+
+    if not may_have_fingerprint(task):
+        return _marked(task)
+    try:
+        owned = _marked(leaving_room(task))
+    except CapacityError:
+        return _marked(task)
+    return owned if owned.mark.at_points else with_fingerprint(task, owned)
 
 
 def _marked(task: EmbeddingTask) -> Owned:

@@ -33,6 +33,7 @@ from meshmark.ownership.points.point_choice import Choice
 from meshmark.ownership.points.point_lattice import PointLattice
 from meshmark.ownership.points.point_reading import Framed
 from meshmark.ownership.points.point_shaping import PointShaping
+from meshmark.ownership.points.targets import Word
 from meshmark.ownership.search.search import Search
 from meshmark.ownership.vertex_displacement import displacement_rms
 
@@ -204,7 +205,7 @@ def _made(task: EmbeddingTask, points: FloatArray, part: AssemblyPart, limits: _
     shaping = PointShaping(
         before,
         lattice,
-        task.word,
+        Word(task.word),
         largest=PART_LARGEST * LARGEST[task.strength] * task.diagonal / before.diagonal,
         budget=0.0,  # what there is of round parts was stretched before the whole was marked
         still=part.still,

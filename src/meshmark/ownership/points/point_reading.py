@@ -176,6 +176,11 @@ class Framed:
             hypotheses=hypotheses,
         )
 
+    def lock_chance(self, carries: NDArray[np.bool_], step: float) -> float:
+        """Return log10 of the chance of the phases of coordinates (p, 3) that say 0 on every copy."""
+        real, square = _summed(np.exp(1j * self.phases(step)[carries]), self.group[carries])
+        return self._chance(float(real.sum()), square)
+
     @property
     def readable(self) -> int:
         """The number of coordinates from which on they are read."""

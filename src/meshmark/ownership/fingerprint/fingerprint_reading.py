@@ -1,0 +1,155 @@
+"""Reading a fingerprint: where its pilots lock, and what its coordinates show there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshmark.geometry.frame import frame_alternatives
+from meshmark.mesh import FloatArray, IntArray
+from meshmark.ownership.carriers.lattice import CellKeys
+from meshmark.ownership.carriers.lock import LockSearch
+from meshmark.ownership.carriers.quantisation import lock_score
+from meshmark.ownership.carriers.reading import Reading
+from meshmark.ownership.fingerprint.parameters import (
+    CHOICES,
+    EXPECTED,
+    FEWEST_PILOTS,
+    LEAST_POINTS,
+    LOCKED,
+    SHIFTS,
+)
+from meshmark.ownership.fingerprint.roles import are_pilots, are_witnesses, fingerprint_lattice
+from meshmark.ownership.parameters import SURELY_SKEW
+from meshmark.ownership.points.carried_coordinates import Carried
+from meshmark.ownership.points.parameters import MOST_POINTS, SIDE
+from meshmark.ownership.points.point_choice import Choice
+from meshmark.ownership.points.point_reading import Framed
+from meshmark.ownership.search.search import Search
+
+__all__ = ["FingerprintReading", "read_fingerprint"]
+
+# An edited copy may have a few points less than an embedding asks for.
+FEWER = 0.9
+# Standard deviation of what is left of a turn, radians; reach of the search in deviations, and number of pilots that
+# corrections are judged by.
+TURNED, REACH, JUDGES = 2e-4, 2.5, 1000
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class FingerprintReading(Reading):
+    """The coordinates of a fingerprint, as a reading without the witnesses.
+
+    witness_index: (w,) which of its bits each witness carries; witness_phase: (w,) radians.
+    """
+
+    witness_index: IntArray = field(repr=False)
+    witness_phase: FloatArray = field(repr=False)
+
+
+def read_fingerprint(search: Search) -> FingerprintReading | None:
+    """Return what the fingerprint of a surface shows, None where no pilots of this key lock."""
+    surface = search.surface
+    if not FEWER * LEAST_POINTS <= len(surface.points) <= MOST_POINTS:
+        return None
+    best = min(_locks(search), key=lambda lock: lock.log10_chance, default=None)
+    if best is None or best.log10_bound > LOCKED:
+        return None
+    return best.polished().reading()
+
+
+def _locks(search: Search) -> Iterator[_Lock]:
+    """Yield the lock of each label, turn of the frame and step."""
+    surface = search.surface
+    carried = Carried.of(surface, surface.frame)
+    for label in search.labels(surface.invariants):
+        lattice = fingerprint_lattice(search.key, label)
+        for frame in frame_alternatives(surface.frame, search.wide, SURELY_SKEW):
+            charge = search.trials.charge() * len(CHOICES)
+            framed = Framed.of(surface, carried, frame, lattice)
+            for choice in CHOICES:
+                lock = _Lock(framed=framed, choice=choice, hypotheses=charge)
+                if np.count_nonzero(lock.pilots) >= FEWEST_PILOTS:
+                    yield lock.shifted()
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Lock:
+    """Pilots read in one frame."""
+
+    framed: Framed
+    choice: Choice
+    hypotheses: float
+
+    @property
+    def pilots(self) -> NDArray[np.bool_]:
+        """(p, 3) coordinates that are pilots."""
+        return self.framed.carrying(self.choice) & are_pilots(self.framed.keys.draw)
+
+    @property
+    def log10_chance(self) -> float:
+        """Log10 of the chance of the pilots alone."""
+        return self.framed.lock_chance(self.pilots, self.choice.step)
+
+    @property
+    def log10_bound(self) -> float:
+        """The same over all that was tried so far."""
+        return self.log10_chance + float(np.log10(self.hypotheses))
+
+    def shifted(self) -> _Lock:
+        """Return the lock with each axis shifted to where its pilots agree best, of `SHIFTS` places in a step.
+
+        The least or largest coordinates of copies are shifted along each axis.
+        """
+        carries = self.pilots
+        wave = np.where(carries, np.exp(1j * self.framed.phases(self.choice.step)), 0.0).sum(axis=0)
+        turns = np.round(-np.angle(wave) / (2.0 * np.pi) * SHIFTS) / SHIFTS
+        return self._corrected(np.append(turns * self.choice.step, np.zeros(4)), float(SHIFTS) ** 3)
+
+    def polished(self) -> _Lock:
+        """Return the best lock near this one."""
+        framed, step = self.framed, self.choice.step
+        judges = framed.first(self.pilots, JUDGES)
+        search = LockSearch(
+            framed.phases(step)[judges],
+            (2.0 * np.pi / step) * framed.gradient(judges),
+            np.append(EXPECTED * step, [TURNED] * 3),
+            REACH,
+            weight=np.ones(int(judges.sum())),
+        )
+        found = [self._corrected(each.correction, search.tried) for each in search.polished(search.rough(1))]
+        return min([self, *found], key=lambda lock: lock.log10_bound)
+
+    def _corrected(self, correction: FloatArray, tried: float) -> _Lock:
+        framed = self.framed.corrected(correction)
+        return _Lock(framed=framed, choice=self.choice, hypotheses=self.hypotheses * tried)
+
+    def reading(self) -> FingerprintReading:
+        """Return what the coordinates show."""
+        framed, carries = self.framed, self.framed.carrying(self.choice)
+        phases = framed.phases(self.choice.step)
+        witness = carries & are_witnesses(framed.keys.draw)
+        others = carries & ~witness
+        keys = CellKeys(
+            code_index=framed.keys.code_index[others],
+            dither=framed.keys.dither[others],
+            pilot=are_pilots(framed.keys.draw)[others],
+        )
+        phase = phases[others]
+        score = float(lock_score(keys.factor * phase, keys.weight))
+        return FingerprintReading(
+            label=framed.lattice.label,
+            spacing=SIDE,
+            step=self.choice.step / SIDE,
+            at_points=True,
+            keys=keys,
+            phase=phase,
+            score=score,
+            log10_chance=self.log10_chance,
+            hypotheses=self.hypotheses,
+            witness_index=framed.keys.code_index[witness],
+            witness_phase=phases[witness],
+        )
