@@ -9,7 +9,7 @@ import numpy as np
 
 from meshmark.coding.codec import Codec
 from meshmark.coding.keys import Key
-from meshmark.coding.message import bits_of
+from meshmark.coding.message import PRESENCE, bits_of
 from meshmark.coding.polar import Bits
 from meshmark.geometry.plane_patches import PlanePatches
 from meshmark.geometry.surface import Surface
@@ -85,6 +85,11 @@ class EmbeddingTask:
     def word(self) -> Bits:
         """The code word of the id."""
         return Codec(self.key).encode(self.identity)
+
+    @cached_property
+    def typical_word(self) -> Bits:
+        """A word like that of any id, by which steps are judged: all copies of a model should have one step."""
+        return Codec(self.key).encode(PRESENCE)
 
     @cached_property
     def planes(self) -> PlanePatches:

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from math import log, log10
+from math import log10
 
 import numpy as np
 
 from meshmark.coding.codec import Codec
-from meshmark.coding.keyed_code import LENGTH, log10_chance
+from meshmark.coding.keyed_code import LENGTH
+from meshmark.coding.message import ID_BITS, bits_of
+from meshmark.coding.polar import Bits
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.ownership.carriers.quantisation import phase_noise, wrapped_normal
+from meshmark.ownership.decoding import Listed
 from meshmark.ownership.fingerprint.fingerprint_reading import FingerprintReading
 from meshmark.ownership.fingerprint.parameters import CONTRADICTED, NAMED, SURE_DEVIATIONS
+from meshmark.ownership.parameters import PROVEN_LOG10
 
 __all__ = ["Told", "copies_told"]
 
@@ -22,13 +26,13 @@ __all__ = ["Told", "copies_told"]
 class Told:
     """What a fingerprint tells.
 
-    ids: of one copy, or of two, in rising order; none where `combined`: what is there is the word of an id that the
-    witnesses contradict, so that several copies were put together. log10_chance: bound on the chance that something
-    else tells these ids, over all that is compared with one reading.
+    ids: of one copy, or of several that were combined, in rising order; none where `combined`: what is there is the
+    word of an id that the witnesses contradict, so that several copies were put together. log10_chances: bounds on
+    the chances that something else tells each id, over all that is compared with one reading.
     """
 
     ids: tuple[int, ...]
-    log10_chance: float
+    log10_chances: tuple[float, ...]
     combined: bool = False
 
 
@@ -54,44 +58,105 @@ _DIFFERING: tuple[Callable[[_Noise, FloatArray], FloatArray], ...] = (
 )
 
 
-def copies_told(codec: Codec, reading: FingerprintReading) -> Told | None:
+# Words that are looked for in one reading, and a list.
+_COMPARED = 3.0 + 2.0 * len(_DIFFERING)
+
+
+def copies_told(codec: Codec, reading: FingerprintReading, listed: Listed) -> Told | None:
     """Return what a reading tells, None where its words are not clear enough."""
-    keys = reading.keys
-    noise = _Noise(*phase_noise(reading.phase[keys.pilot]))
-    index, phase = keys.code_index[~keys.pilot], reading.phase[~keys.pilot]
-    says = [_summed(index, noise.log_density(phase, centre)) for centre in (0.0, np.pi)]
-    llr = says[0] - says[1]
-    first = codec.decode(llr, NAMED)
-    if first.id is None:
+    seen = _Seen.of(reading)
+    candidates = _listed_words(codec, seen, listed) | _words(codec, seen)
+    if not candidates:
         return None
-    same = np.where(first.bits == 1, says[1], says[0])
-    others = []
-    for differing in _DIFFERING:
-        differ = same - _summed(index, differing(noise, phase))
-        others.append(codec.decode_other(first.id, differ))
-    other, chance = min(others, key=lambda each: each[1])
-    chance += log10(len(_DIFFERING))
-    witness = _summed(
-        reading.witness_index,
-        noise.log_density(reading.witness_phase, 0.0) - noise.log_density(reading.witness_phase, np.pi),
-    )
-    expected = _deviations(llr, first.bits) * np.sqrt(len(reading.witness_phase) / max(len(phase), 1))
-    if chance <= NAMED:
-        ids = (min(first.id, other), max(first.id, other))
-        chance = max(chance, first.log10_chance)
-    else:
-        ids, chance = (first.id,), first.log10_chance
-    if expected < SURE_DEVIATIONS:
-        return None
-    if any(_deviations(witness, codec.witness(each)) < CONTRADICTED for each in ids):
-        return Told(ids=(), log10_chance=0.0, combined=True)
-    return Told(ids=ids, log10_chance=chance + log10(2.0))
+    chances = {}
+    unsure = False
+    for each, chance in candidates.items():
+        expected = seen.more * _deviations(seen.llr, codec.encode(each))
+        said = _deviations(seen.witness, codec.witness(each))
+        if expected < SURE_DEVIATIONS:
+            unsure = True
+        elif said >= CONTRADICTED * expected:
+            chances[each] = chance + log10(_COMPARED)
+    if chances:
+        ids = tuple(sorted(chances))
+        return Told(ids=ids, log10_chances=tuple(chances[each] for each in ids))
+    return None if unsure else Told(ids=(), log10_chances=(), combined=True)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Seen:
+    """What the coordinates show of each code bit (LENGTH,), 0 where none has it.
+
+    zero, one: log-likelihoods of the bits, over those of any phase; differ: for each of `_DIFFERING` that the bits
+    differ; soft: sum of cosines, which averages of many copies are judged by; witness: ratio of those of witnesses.
+    more: standard deviations by which witnesses stand out, over those of the others.
+    """
+
+    zero: FloatArray
+    one: FloatArray
+    differ: tuple[FloatArray, ...]
+    soft: FloatArray
+    witness: FloatArray
+    more: float
+
+    @classmethod
+    def of(cls, reading: FingerprintReading) -> _Seen:
+        keys = reading.keys
+        noise = _Noise(*phase_noise(reading.phase[keys.pilot]))
+        index, phase = keys.code_index[~keys.pilot], reading.phase[~keys.pilot]
+        other, said = reading.witness_index, reading.witness_phase
+        return cls(
+            zero=_summed(index, noise.log_density(phase, 0.0)),
+            one=_summed(index, noise.log_density(phase, np.pi)),
+            differ=tuple(_summed(index, differing(noise, phase)) for differing in _DIFFERING),
+            soft=_summed(index, np.cos(phase)),
+            witness=_summed(other, noise.log_density(said, 0.0) - noise.log_density(said, np.pi)),
+            more=float(np.sqrt(len(said) / max(len(phase), 1))),
+        )
+
+    @property
+    def llr(self) -> FloatArray:
+        """Log-likelihood ratios of the bits (LENGTH,)."""
+        return self.zero - self.one
+
+    def differing(self, bits: Bits) -> Iterator[FloatArray]:
+        """Yield log-likelihood ratios (LENGTH,) of same over different bits in a copy beside one with these bits."""
+        same = np.where(bits == 1, self.one, self.zero)
+        for differ in self.differ:
+            yield same - differ
+
+
+def _words(codec: Codec, seen: _Seen) -> dict[int, float]:
+    """Return the ids that stand out, with log10 of their chances: one, and those of copies beside it."""
+    found: dict[int, float] = {}
+    for observed in (seen.llr, seen.soft):
+        word = codec.decode(observed, NAMED)
+        if word.id is not None:
+            found.setdefault(word.id, word.log10_chance)
+    for first, own in list(found.items()):
+        for differ in seen.differing(codec.encode(first)):
+            other, chance = codec.decode_other(first, differ)
+            if chance <= NAMED:
+                found.setdefault(other, max(own, chance))
+    return found
+
+
+def _listed_words(codec: Codec, seen: _Seen, listed: Listed) -> dict[int, float]:
+    """Return those of the listed ids that stand out, with log10 of their chances."""
+    if not listed.ids:
+        return {}
+    chances = codec.chances(seen.soft, listed.words)
+    return {
+        listed.ids[row]: float(chances[row])
+        for row in np.flatnonzero(chances <= PROVEN_LOG10)
+        if bits_of(listed.ids[row]) == ID_BITS
+    }
 
 
 def _summed(index: IntArray, values: FloatArray) -> FloatArray:
     return np.bincount(index, values, LENGTH).astype(np.float64)
 
 
-def _deviations(llr: FloatArray, bits: np.ndarray) -> float:
+def _deviations(llr: FloatArray, bits: Bits) -> float:
     """Return by how many standard deviations of chance observations (n,) agree with bits (n,)."""
     return float(llr @ (1.0 - 2.0 * bits) / np.sqrt(max(float(llr @ llr), 1e-300)))

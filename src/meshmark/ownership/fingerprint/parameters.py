@@ -35,7 +35,7 @@ LEAST_POINTS: Final = 5_000
 # Shares of the coordinates: pilots carry 0 whatever the id; witnesses carry bits that depend on the id alone and are
 # no linear code.
 PILOTS: Final = 0.15
-WITNESSES: Final = 0.2
+WITNESSES: Final = 0.25
 # RMS displacement that the cells leave to the fingerprint, over the budget; and of `LARGEST` the share.
 RESERVED: Final = 0.3
 LARGEST_SHARE: Final = 0.3
@@ -49,10 +49,10 @@ LOCKED: Final = -9.0
 NAMED: Final = -12.0
 # What is left to find of shift and logarithm of scale, in steps (standard deviation).
 EXPECTED: Final = np.array([0.1, 0.1, 0.1, 0.2])
-# Witnesses are asked where they would stand out by this number of standard deviations; an id of which they say
-# less than the other is not that of the copy.
-SURE_DEVIATIONS: Final = 10.0
-CONTRADICTED: Final = 4.0
+# Witnesses are asked where they should stand out by this number of standard deviations of chance; an id of which they
+# say less than this share of it is not that of a copy.
+SURE_DEVIATIONS: Final = 6.0
+CONTRADICTED: Final = 0.5
 
 
 def choice_of(strength: str) -> Choice:
