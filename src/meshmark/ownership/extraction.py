@@ -38,6 +38,7 @@ def extract(
     time_limit: float | None = None,
     cut: bool = False,
     among: Sequence[int] = (),
+    copies: bool = False,
 ) -> Extraction:
     """Read the id from a mesh with the key alone, or with a reference as well.
 
@@ -59,6 +60,8 @@ def extract(
     among : sequence of int, optional
         Ids of which one may be there: it takes less evidence to tell it from these than from all 2^64, and averages
         of more than two copies name those of them that took part.
+    copies : bool
+        Also ask the fingerprint, where there is one, whether copies were combined.
 
     Returns
     -------
@@ -73,20 +76,25 @@ def extract(
     start = perf_counter()
     checked_request(key, reference, search=search, time_limit=time_limit)
     surfaces = surfaces_to_read(mesh, cut=cut)
-    found = find(
-        Search(
-            surface=next(surfaces),
-            key=key,
-            effort=search,
-            reference=reference,
-            copies=surfaces,
-            trials=TrialCounter(time_limit),
-            among=tuple(dict.fromkeys(among)),
-        )
+    asked = Search(
+        surface=next(surfaces),
+        key=key,
+        effort=search,
+        reference=reference,
+        copies=surfaces,
+        trials=TrialCounter(time_limit),
+        among=tuple(dict.fromkeys(among)),
     )
+    found = _find_copies(asked) if copies else find(asked)
     result = extraction_of(found, Codec(key), MODES[type(reference)], perf_counter() - start)
     remark = mismatch(reference, key, result.id) if isinstance(reference, Certificate) else None
     return result if remark is None else replace(result, advice=f"{result.advice} {remark}")
+
+
+def _find_copies(search: Search) -> Found:
+    from meshmark.ownership.fingerprint.combined_copies import find_copies
+
+    return find_copies(search)
 
 
 def checked_request(

@@ -73,9 +73,10 @@ def copies_told(codec: Codec, reading: FingerprintReading, listed: Listed) -> To
     for each, chance in candidates.items():
         expected = seen.more * _deviations(seen.llr, codec.encode(each))
         said = _deviations(seen.witness, codec.witness(each))
-        if expected < SURE_DEVIATIONS:
-            unsure = True
-        elif said >= CONTRADICTED * expected:
+        sure = expected >= SURE_DEVIATIONS
+        unsure |= not sure
+        # Of a listed id its word is enough: no sum of words is one but by the chance that is bounded.
+        if said >= CONTRADICTED * expected and (sure or each in listed.ids):
             chances[each] = chance + log10(_COMPARED)
     if chances:
         ids = tuple(sorted(chances))

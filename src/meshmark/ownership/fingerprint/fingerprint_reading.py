@@ -69,7 +69,7 @@ def _locks(search: Search) -> Iterator[_Lock]:
         lattice = fingerprint_lattice(search.key, label)
         for frame in frame_alternatives(surface.frame, search.wide, SURELY_SKEW):
             charge = search.trials.charge() * len(CHOICES)
-            framed = Framed.of(surface, carried, frame, lattice)
+            framed = Framed.of(surface, carried, frame, lattice, modes=1)
             for choice in CHOICES:
                 lock = _Lock(framed=framed, choice=choice, hypotheses=charge)
                 if np.count_nonzero(lock.pilots) >= FEWEST_PILOTS:

@@ -88,12 +88,20 @@ class Carried:
     @cached_property
     def coordinates(self) -> tuple[NDArray[np.bool_], ...]:
         """(p, 3) for each of `MODES`: the coordinates that carry where there is room."""
-        return tuple(chosen_coordinates(self.stars.tensor, mode) for mode in MODES)
+        return (self.first_coordinates, *(chosen_coordinates(self.stars.tensor, mode) for mode in MODES[1:]))
 
-    def turned(self, axes: FloatArray) -> tuple[NDArray[np.bool_], ...]:
-        """Return `coordinates` along other axes (3, 3), the columns in canonical coordinates."""
+    @cached_property
+    def first_coordinates(self) -> NDArray[np.bool_]:
+        """(p, 3) those of the first of `MODES`."""
+        return chosen_coordinates(self.stars.tensor, MODES[0])
+
+    def turned(self, axes: FloatArray, modes: int = len(MODES)) -> tuple[NDArray[np.bool_], ...]:
+        """Return `coordinates` along other axes (3, 3), the columns in canonical coordinates.
+
+        modes: of how many of the first of `MODES`.
+        """
         order = np.abs(axes).argmax(axis=0)
         if np.allclose(np.abs(axes), np.eye(3)[:, order], atol=1e-9) and (order == np.arange(3)).all():
-            return self.coordinates
+            return self.coordinates if modes > 1 else (self.first_coordinates,)
         tensor = np.einsum("ji,pjk,kl->pil", axes, self.stars.tensor, axes)
-        return tuple(chosen_coordinates(tensor, mode) for mode in MODES)
+        return tuple(chosen_coordinates(tensor, mode) for mode in MODES[:modes])

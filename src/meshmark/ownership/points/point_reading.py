@@ -80,9 +80,17 @@ class Framed:
     group: IntArray
 
     @classmethod
-    def of(cls, surface: Surface, carried: Carried, frame: Frame, lattice: PointLattice) -> Framed:
-        """Read a surface in a turn of the frame that `carried` was found in."""
-        coordinates = carried.turned(carried.frame.axes.T @ frame.axes)
+    def of(
+        cls,
+        surface: Surface,
+        carried: Carried,
+        frame: Frame,
+        lattice: PointLattice,
+        *,
+        modes: int = len(MODES),
+    ) -> Framed:
+        """Read a surface in a turn of the frame that `carried` was found in; modes: number of `MODES` to be read."""
+        coordinates = carried.turned(carried.frame.axes.T @ frame.axes, modes)
         return cls._at(frame.to_canonical(surface.points), coordinates, carried.room, lattice)
 
     @classmethod
