@@ -16,12 +16,13 @@ from meshmark.marking.authentication_layer import with_authentication
 from meshmark.marking.embedding_result import Embedding
 from meshmark.marking.fewer_bits import fewer_bits_that_fit
 from meshmark.marking.mark_request import WEB_FORMATS, MarkRequest
-from meshmark.marking.marked_parts import parts_in_words, with_parts_read
+from meshmark.marking.marked_parts import parts_in_words
 from meshmark.marking.repeated_mesh import embed_repeated
 from meshmark.marking.verification import verify
 from meshmark.marking.written_marks import Base
 from meshmark.mesh import Mesh
 from meshmark.ownership.embedding import Owned
+from meshmark.ownership.parts_read import with_parts_read
 from meshmark.ownership.vertex_displacement import displacement_rms, vertex_displacement
 from meshmark.scene.distinct import distinct
 from meshmark.strengths import BUDGETS

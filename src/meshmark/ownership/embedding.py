@@ -90,19 +90,7 @@ def embed(
         strength=strength,
         rms=sqrt(budget**2 - reserve**2),
     )
-    parts = assembly_parts(task.surface)
-    if not parts:
-        return _with_fingerprint(task)
-    from meshmark.ownership.embedding_in_parts import embed_in_parts, with_parts_apart
-
-    apart = with_parts_apart(task, parts)
-    try:
-        owned = _marked(apart)
-    except CapacityError:
-        if apart is task:
-            raise
-        owned = _marked(task)
-    return embed_in_parts(task, owned, parts)
+    return _with_fingerprint(task)
 
 
 def _with_fingerprint(task: EmbeddingTask) -> Owned:
@@ -114,12 +102,29 @@ def _with_fingerprint(task: EmbeddingTask) -> Owned:
     )
 
     if not may_have_fingerprint(task):
-        return _marked(task)
+        return _whole_and_parts(task)
     try:
-        owned = _marked(leaving_room(task))
+        owned = _whole_and_parts(leaving_room(task))
     except CapacityError:
-        return _marked(task)
+        return _whole_and_parts(task)
     return owned if owned.mark.at_points else with_fingerprint(task, owned)
+
+
+def _whole_and_parts(task: EmbeddingTask) -> Owned:
+    """Return the mark of the whole, and in those of its parts that can carry it."""
+    parts = assembly_parts(task.surface)
+    if not parts:
+        return _marked(task)
+    from meshmark.ownership.embedding_in_parts import embed_in_parts, with_parts_apart
+
+    apart = with_parts_apart(task, parts)
+    try:
+        owned = _marked(apart)
+    except CapacityError:
+        if apart is task:
+            raise
+        owned = _marked(task)
+    return embed_in_parts(task, owned, parts)
 
 
 def _marked(task: EmbeddingTask) -> Owned:

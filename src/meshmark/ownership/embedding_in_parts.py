@@ -61,6 +61,8 @@ SURE = -12.0
 COSTS, LEFT = (0.06, 0.02), 0.9
 # A motion along a carrying coordinate by a step as large as its own costs this times the lock.
 COST_OF_STEP = 5.0
+# Points that a part moved by less than this, over the diagonal, went along for the sake of its frame.
+STAYED = 2e-5
 # What parts may add to the visible share, over that which is allowed.
 SEEN_MORE = 0.1
 
@@ -101,7 +103,8 @@ def embed_in_parts(task: EmbeddingTask, owned: Owned, parts: Sequence[AssemblyPa
             and displacement_rms(task.mesh, made.mesh) <= task.budget
             and (task.keeps_planes(made.mesh) or not task.keeps_planes(owned.mesh))
         ):
-            return made
+            moved = np.linalg.norm(_points(task, made.mesh) - _points(task, owned.mesh), axis=1)
+            return replace(made, held=moved > STAYED * task.diagonal)
     return owned
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from meshmark.coding.codec import Codec
 from meshmark.coding.keys import Key
@@ -35,11 +36,13 @@ class Owned:
     """A mesh with a mark of the ownership layer.
 
     folded: share of the surface, 0 to 1, in cells where faces point in too many directions; 0 of a mark at points.
+    held: (p,) points of its surface that carry the id of a part; None where no part has its own.
     """
 
     mesh: Mesh
     mark: OwnershipMark
     folded: float = 0.0
+    held: NDArray[np.bool_] | None = None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

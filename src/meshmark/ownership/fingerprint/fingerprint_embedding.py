@@ -21,6 +21,7 @@ from meshmark.ownership.fingerprint.parameters import (
     choice_of,
 )
 from meshmark.ownership.fingerprint.roles import Said, fingerprint_lattice
+from meshmark.ownership.parts_read import with_parts_read
 from meshmark.ownership.points.parameters import LARGEST, MOST_POINTS
 from meshmark.ownership.points.point_shaping import PointShaping
 from meshmark.ownership.search.search import Search
@@ -61,6 +62,7 @@ def with_fingerprint(task: EmbeddingTask, owned: Owned) -> Owned:
         Said.of(Codec(task.key), task.identity),
         largest=LARGEST_SHARE * LARGEST[task.strength],
         budget=0.0,
+        still=owned.held,
         holds_area=True,
         aims=task.surface.points,
     )
@@ -74,8 +76,14 @@ def with_fingerprint(task: EmbeddingTask, owned: Owned) -> Owned:
         and task.seen.of(points).share <= max(task.share, before) + SEEN_MORE * task.share
         and (task.keeps_planes(made.mesh) or not task.keeps_planes(owned.mesh))
         and _lock(task, made) >= LEFT * _lock(task, owned)
+        and _parts_are_read(task, made)
     )
     return made if fits else owned
+
+
+def _parts_are_read(task: EmbeddingTask, made: Owned) -> bool:
+    """Return whether the parts that carry the id by themselves still do."""
+    return with_parts_read(made.mark, made.mesh, task.key, task.identity).parts == made.mark.parts
 
 
 def _lock(task: EmbeddingTask, owned: Owned) -> float:
