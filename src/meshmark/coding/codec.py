@@ -159,11 +159,6 @@ class Codec:
         """Return bits (n,) that depend on key and id by a keyed hash: unlike words they do not add up."""
         return keyed_bits(self._key.subkey(f"witness of {identity:016x}"), LENGTH)
 
-    def witness_chance(self, llr: FloatArray, identity: int) -> float:
-        """Return log10 of a bound on the chance that random observations (n,) agree so well with an id's witness."""
-        _check(llr)
-        return log10_chance(llr, float(llr @ (1.0 - 2.0 * self.witness(identity))), 0.0)
-
     def words(self, ids: Sequence[int]) -> WordList:
         """Return the code bits of m ids of 64 or 32 bits; raises `InputError` for other numbers."""
         short = [place for place, each in enumerate(ids) if bits_of(each) == SHORT_BITS]

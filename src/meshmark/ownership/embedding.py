@@ -95,7 +95,7 @@ def embed(
 
 def _with_fingerprint(task: EmbeddingTask) -> Owned:
     """Return the mark, in cells with a fingerprint beside them where there is room for both."""
-    from meshmark.ownership.fingerprint.fingerprint_embedding import (
+    from meshmark.ownership.embedding_with_fingerprint import (
         leaving_room,
         may_have_fingerprint,
         with_fingerprint,

@@ -23,7 +23,7 @@ from meshmark.ownership.search.trials import OutOfTimeError, TrialCounter
 from meshmark.scene.surfaces import surfaces_to_read
 from meshmark.threads import on_one_thread
 
-__all__ = ["MODES", "checked_request", "extract", "find"]
+__all__ = ["MODES", "checked_request", "extract", "find", "find_copies"]
 
 MODES = {type(None): "blind", Certificate: "certificate", Mesh: "original"}
 
@@ -85,16 +85,10 @@ def extract(
         trials=TrialCounter(time_limit),
         among=tuple(dict.fromkeys(among)),
     )
-    found = _find_copies(asked) if copies else find(asked)
+    found = find_copies(asked) if copies else find(asked)
     result = extraction_of(found, Codec(key), MODES[type(reference)], perf_counter() - start)
     remark = mismatch(reference, key, result.id) if isinstance(reference, Certificate) else None
     return result if remark is None else replace(result, advice=f"{result.advice} {remark}")
-
-
-def _find_copies(search: Search) -> Found:
-    from meshmark.ownership.fingerprint.combined_copies import find_copies
-
-    return find_copies(search)
 
 
 def checked_request(
@@ -107,6 +101,21 @@ def checked_request(
         raise InputError(f"a time limit of {time_limit:g} seconds is out of range, expected more than 0")
     if isinstance(reference, Certificate):
         refuse_edited(reference, key)
+
+
+def find_copies(search: Search) -> Found:
+    """Return what `find` does, unless the fingerprint tells several ids, or that no id explains it.
+
+    Cells read the sum of three words as clearly as one, and an average of two as nothing. Where they tell nothing
+    and the fingerprint one id, it is that.
+    """
+    from meshmark.ownership.fingerprint.combined_copies import copies_of
+
+    told = copies_of(search)
+    if told is not None and len(told.ids) != 1:
+        return told
+    found = find(search)
+    return told if told is not None and not found.ids else found
 
 
 def find(search: Search, chosen: Callable[[Strategy], bool] | None = None) -> Found:

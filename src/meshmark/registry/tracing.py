@@ -29,9 +29,8 @@ from meshmark.errors import InputError
 from meshmark.mesh import Mesh
 from meshmark.ownership.answer import extraction_of
 from meshmark.ownership.decoding import Found
-from meshmark.ownership.extraction import find
+from meshmark.ownership.extraction import find, find_copies
 from meshmark.ownership.extraction_result import Extraction
-from meshmark.ownership.fingerprint.combined_copies import find_copies
 from meshmark.ownership.search.search import EFFORTS, Search
 from meshmark.ownership.search.strategies import Strategy
 from meshmark.ownership.search.trials import TrialCounter

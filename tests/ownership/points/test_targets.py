@@ -62,5 +62,21 @@ def test_most_go_to_the_nearest_of_the_places():
 
 def test_a_point_that_carries_nothing_stays():
     points, follow, _ = points_and_ways()
-    motion, _ = nearest_places(points, 0.0 * follow, Quantiser(lattice=LATTICE, message=Word(BITS), step=STEP))
+    motion, _ = nearest_places(
+        points, 0.0 * follow, Quantiser(lattice=LATTICE, message=Word(BITS), step=STEP)
+    )
     assert not motion.any()
+
+
+def test_points_that_were_moved_apart_go_to_the_same_places_of_their_aims():
+    aims, _, _ = points_and_ways()
+    random = np.random.default_rng(2)
+    follow = np.broadcast_to(np.eye(3), (len(aims), 3, 3))
+    quantiser = Quantiser(lattice=LATTICE, message=Word(BITS), step=STEP)
+    ends = []
+    for _ in range(2):
+        points = aims + STEP * random.normal(size=aims.shape)
+        motion, done = nearest_places(points, follow, quantiser, aims)
+        ends.append((points + motion)[done])
+    assert len(ends[0]) > 0.97 * len(aims)
+    assert np.abs(ends[0] - ends[1]).max() < 1e-12

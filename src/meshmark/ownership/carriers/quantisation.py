@@ -25,7 +25,7 @@ __all__ = [
 BROKEN_SHARE = 0.03
 # Of points, the shares that are tried, and the variances of the phases of the others, in square radians.
 BROKEN_SHARES = np.array([0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9])
-WIDTHS = 4e-4 * 4.0 ** np.arange(7)
+WIDTHS: FloatArray = np.asarray(4e-4 * 4.0 ** np.arange(7), dtype=np.float64)
 
 
 def nearest_offsets(

@@ -49,12 +49,12 @@ class _Noise:
         return np.asarray(np.log((1.0 - self.broken) * 2.0 * np.pi * normal + self.broken))
 
 
-# How a coordinate looks whose bits differ in two copies: half-way, as in their mean; as in either, as in the least of
-# both along an axis of the file; or anyhow, along others.
+# How a coordinate looks whose bits differ in two copies: half-way, as in their mean; as in either, as in the least
+# of both along an axis of the file; or anyhow, along others.
 _DIFFERING: tuple[Callable[[_Noise, FloatArray], FloatArray], ...] = (
     lambda noise, phase: noise.log_density(phase, 0.5 * np.pi, -0.5 * np.pi),
     lambda noise, phase: noise.log_density(phase, 0.0, np.pi),
-    lambda noise, phase: np.zeros_like(phase),
+    lambda _, phase: np.zeros_like(phase),
 )
 
 
@@ -121,7 +121,7 @@ class _Seen:
         return self.zero - self.one
 
     def differing(self, bits: Bits) -> Iterator[FloatArray]:
-        """Yield log-likelihood ratios (LENGTH,) of same over different bits in a copy beside one with these bits."""
+        """Yield log-likelihood ratios (LENGTH,) of same over different bits in a copy beside one."""
         same = np.where(bits == 1, self.one, self.zero)
         for differ in self.differ:
             yield same - differ

@@ -34,8 +34,8 @@ __all__ = ["FingerprintReading", "read_fingerprint"]
 
 # An edited copy may have a few points less than an embedding asks for.
 FEWER = 0.9
-# Standard deviation of what is left of a turn, radians; reach of the search in deviations, and number of pilots that
-# corrections are judged by.
+# Standard deviation of what is left of a turn, radians; reach of the search in deviations, and number of pilots
+# that corrections are judged by.
 TURNED, REACH, JUDGES = 2e-4, 2.5, 1000
 
 

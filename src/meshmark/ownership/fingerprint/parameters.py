@@ -32,8 +32,8 @@ _STEPS: Final = {"subtle": 0.0004, "standard": 0.0016, "strong": 0.0016}
 CHOICES: Final = tuple(Choice(step=step, mode=0, share=1.0) for step in sorted(set(_STEPS.values())))
 # Models of at least this number of points: they have some thousands of coordinates.
 LEAST_POINTS: Final = 5_000
-# Shares of the coordinates: pilots carry 0 whatever the id; witnesses carry bits that depend on the id alone and are
-# no linear code.
+# Shares of the coordinates: pilots carry 0 whatever the id; witnesses carry a hash of the id, which is no linear
+# code.
 PILOTS: Final = 0.15
 WITNESSES: Final = 0.25
 # RMS displacement that the cells leave to the fingerprint, over the budget; and of `LARGEST` the share.
@@ -49,8 +49,8 @@ LOCKED: Final = -9.0
 NAMED: Final = -12.0
 # What is left to find of shift and logarithm of scale, in steps (standard deviation).
 EXPECTED: Final = np.array([0.1, 0.1, 0.1, 0.2])
-# Witnesses are asked where they should stand out by this number of standard deviations of chance; an id of which they
-# say less than this share of it is not that of a copy.
+# Witnesses are asked where they should stand out by this number of standard deviations of chance; an id of which
+# they say less than this share of it is not that of a copy.
 SURE_DEVIATIONS: Final = 6.0
 CONTRADICTED: Final = 0.5
 

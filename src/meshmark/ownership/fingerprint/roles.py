@@ -1,8 +1,8 @@
 """What the coordinates of a fingerprint say: pilots a 0, most a bit of the id's word, witnesses what checks the id.
 
 Words add up: where three copies a + b - c are put together each coordinate says the sum of three bits, and the sum
-of three words is the word of an id that nobody has. What witnesses say of an id is a keyed hash of it, which does not
-add up, so that they contradict such an id (docs/decisions/0038-two-averaged-copies.md).
+of three words is the word of an id that nobody has. What witnesses say of an id is a keyed hash of it, which does
+not add up, so that they contradict such an id (docs/decisions/0038-two-averaged-copies.md).
 """
 
 from __future__ import annotations
@@ -59,7 +59,5 @@ class Said:
 
     def bits(self, keys: PointKeys) -> Bits:
         """Return the bits (n, 3) of coordinates."""
-        said = np.where(
-            are_witnesses(keys.draw), self.witness[keys.code_index], self.word[keys.code_index]
-        )
+        said = np.where(are_witnesses(keys.draw), self.witness[keys.code_index], self.word[keys.code_index])
         return np.where(are_pilots(keys.draw), 0, said).astype(np.uint8)

@@ -89,7 +89,10 @@ class Framed:
         *,
         modes: int = len(MODES),
     ) -> Framed:
-        """Read a surface in a turn of the frame that `carried` was found in; modes: number of `MODES` to be read."""
+        """Read a surface in a turn of the frame that `carried` was found in.
+
+        modes: how many of the first of `MODES` are read.
+        """
         coordinates = carried.turned(carried.frame.axes.T @ frame.axes, modes)
         return cls._at(frame.to_canonical(surface.points), coordinates, carried.room, lattice)
 

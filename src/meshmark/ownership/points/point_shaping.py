@@ -45,9 +45,9 @@ NEARLY = 0.7
 class PointShaping:
     """A surface whose points are to carry bits.
 
-    surface: to be marked. lattice: of its label. message: the id's word, or what else coordinates say. largest: displacement of a point at most,
-    over the diagonal; budget: RMS displacement, over the diagonal. still: (p,) points that stay where they are;
-    none where it is left out. holds_area: the surface keeps its area as well as its frame. aims: (p, 3) scene
+    surface: to be marked. lattice: of its label. message: what coordinates say. largest: displacement of a point at
+    most, over the diagonal; budget: RMS displacement, over the diagonal. still: (p,) points that stay where they
+    are; none where it is left out. holds_area: the surface keeps its area as well as its frame. aims: (p, 3) scene
     points from which the places of the points are told, of the surface where left out.
     """
 

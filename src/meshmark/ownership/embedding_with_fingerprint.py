@@ -1,7 +1,7 @@
 """Embedding of the fingerprint: points beside the cells slide along the surface until they say the id once more.
 
-Where their bits are the same the points of all copies of a model go to the same places: those nearest to where the
-original has them, by a step that depends on the strength only. So what copies have in common stays in their average.
+Where their bits are the same the points of all copies of a model go to the same places: those nearest to where
+the original has them, by a step that depends on the strength only. So an average keeps what copies have in common.
 """
 
 from __future__ import annotations
