@@ -21,6 +21,7 @@ from meshmark.ownership.fingerprint.parameters import (
     LEAST_POINTS,
     LOCKED,
     SHIFTS,
+    TURNED,
 )
 from meshmark.ownership.fingerprint.roles import are_pilots, are_witnesses, fingerprint_lattice
 from meshmark.ownership.parameters import SURELY_SKEW
@@ -34,9 +35,9 @@ __all__ = ["FingerprintReading", "read_fingerprint"]
 
 # An edited copy may have a few points less than an embedding asks for.
 FEWER = 0.9
-# Standard deviation of what is left of a turn, radians; reach of the search in deviations, and number of pilots
-# that corrections are judged by.
-TURNED, REACH, JUDGES = 2e-4, 2.5, 1000
+# Reach of the search for a correction, in standard deviations; places in it, peaks that are polished, and pilots that
+# they are judged by.
+REACH, PLACES, PEAKS, JUDGES = 2.5, 300_000, 6, 500
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -118,9 +119,10 @@ class _Lock:
             (2.0 * np.pi / step) * framed.gradient(judges),
             np.append(EXPECTED * step, [TURNED] * 3),
             REACH,
+            PLACES,
             weight=np.ones(int(judges.sum())),
         )
-        found = [self._corrected(each.correction, search.tried) for each in search.polished(search.rough(1))]
+        found = [self._corrected(each.correction, search.tried) for each in search.polished(search.rough(PEAKS))]
         return min([self, *found], key=lambda lock: lock.log10_bound)
 
     def _corrected(self, correction: FloatArray, tried: float) -> _Lock:

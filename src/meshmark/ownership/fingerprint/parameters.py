@@ -6,6 +6,7 @@ from typing import Final
 
 import numpy as np
 
+from meshmark.ownership.points.parameters import STEPS
 from meshmark.ownership.points.point_choice import Choice
 
 __all__ = [
@@ -22,13 +23,15 @@ __all__ = [
     "SEEN_MORE",
     "SHIFTS",
     "SURE_DEVIATIONS",
+    "TURNED",
     "WITNESSES",
     "choice_of",
 ]
 
 # Every copy of a model has the same step, whatever its id: averages are read by it. Canonical units; on the grid of
-# `points.parameters.STEPS`. It moves points by 0.02 % of the diagonal, RMS, which "subtle" has no room for.
-_STEPS: Final = {"subtle": 0.0004, "standard": 0.0016, "strong": 0.0016}
+# `points.parameters.STEPS`. The larger one moves points by 0.012 % of the diagonal, RMS, which "subtle" has no room
+# for.
+_STEPS: Final = {"subtle": float(STEPS[0]), "standard": float(STEPS[6]), "strong": float(STEPS[6])}
 CHOICES: Final = tuple(Choice(step=step, mode=0, share=1.0) for step in sorted(set(_STEPS.values())))
 # Models of at least this number of points: they have some thousands of coordinates.
 LEAST_POINTS: Final = 5_000
@@ -37,7 +40,7 @@ LEAST_POINTS: Final = 5_000
 PILOTS: Final = 0.15
 WITNESSES: Final = 0.25
 # RMS displacement that the cells leave to the fingerprint, over the budget; and of `LARGEST` the share.
-RESERVED: Final = 0.3
+RESERVED: Final = 0.25
 LARGEST_SHARE: Final = 0.3
 # What it may add to the visible share, over that which is allowed.
 SEEN_MORE: Final = 0.1
@@ -47,8 +50,10 @@ SHIFTS: Final = 16
 # A lock less likely than 10^this, over all that was tried, is one; so is a word that is named.
 LOCKED: Final = -9.0
 NAMED: Final = -12.0
-# What is left to find of shift and logarithm of scale, in steps (standard deviation).
-EXPECTED: Final = np.array([0.1, 0.1, 0.1, 0.2])
+# What is left to find of shift and logarithm of scale, in steps, and of the turn, in radians (standard deviations):
+# the least or largest coordinates of copies have another shape.
+EXPECTED: Final = np.array([0.15, 0.15, 0.15, 0.5])
+TURNED: Final = 1e-3
 # Witnesses are asked where they should stand out by this number of standard deviations of chance; an id of which
 # they say less than this share of it is not that of a copy.
 SURE_DEVIATIONS: Final = 6.0
