@@ -35,9 +35,10 @@ __all__ = ["FingerprintReading", "read_fingerprint"]
 
 # An edited copy may have a few points less than an embedding asks for.
 FEWER = 0.9
-# Reach of the search for a correction, in standard deviations; places in it, peaks that are polished, and pilots that
-# they are judged by.
-REACH, PLACES, PEAKS, JUDGES = 2.5, 300_000, 6, 500
+# Reach of the search for a correction, in standard deviations, and places in it. Peaks that are polished, and pilots
+# that they are judged by, at first and then.
+REACH, PLACES = 2.5, 300_000
+ROUNDS = ((6, 500), (1, 2000))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -112,18 +113,25 @@ class _Lock:
 
     def polished(self) -> _Lock:
         """Return the best lock near this one."""
+        best = self
+        for peaks, judges in ROUNDS:
+            best = min(best.near(peaks, judges), key=lambda lock: lock.log10_bound)
+        return best
+
+    def near(self, peaks: int, judges: int) -> list[_Lock]:
+        """Return this lock, and those after the best corrections, judged by so many pilots."""
         framed, step = self.framed, self.choice.step
-        judges = framed.first(self.pilots, JUDGES)
+        pilots = framed.first(self.pilots, judges)
         search = LockSearch(
-            framed.phases(step)[judges],
-            (2.0 * np.pi / step) * framed.gradient(judges),
+            framed.phases(step)[pilots],
+            (2.0 * np.pi / step) * framed.gradient(pilots),
             np.append(EXPECTED * step, [TURNED] * 3),
             REACH,
             PLACES,
-            weight=np.ones(int(judges.sum())),
+            weight=np.ones(int(pilots.sum())),
         )
-        found = [self._corrected(each.correction, search.tried) for each in search.polished(search.rough(PEAKS))]
-        return min([self, *found], key=lambda lock: lock.log10_bound)
+        found = search.polished(search.rough(peaks))
+        return [self, *(self._corrected(each.correction, search.tried) for each in found)]
 
     def _corrected(self, correction: FloatArray, tried: float) -> _Lock:
         framed = self.framed.corrected(correction)
