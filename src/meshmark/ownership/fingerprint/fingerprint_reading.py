@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,6 +39,8 @@ FEWER = 0.9
 # that they are judged by, at first and then.
 REACH, PLACES = 2.5, 300_000
 ROUNDS = ((6, 500), (1, 2000))
+# Locks that are polished, if they are less likely by chance than 10^this: one that is a little off may be hardly so.
+POLISHED, PROMISING = 3, -4.0
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -57,10 +59,11 @@ def read_fingerprint(search: Search) -> FingerprintReading | None:
     surface = search.surface
     if not FEWER * LEAST_POINTS <= len(surface.points) <= MOST_POINTS:
         return None
-    best = min(_locks(search), key=lambda lock: lock.log10_chance, default=None)
-    if best is None or best.log10_bound > LOCKED:
-        return None
-    return best.polished().reading()
+    promising = (lock for lock in _locks(search) if lock.log10_chance <= PROMISING)
+    likely = sorted(promising, key=lambda lock: lock.log10_chance)[:POLISHED]
+    polished = (replace(each, hypotheses=POLISHED * each.hypotheses).polished() for each in likely)
+    best = min(polished, key=lambda lock: lock.log10_bound, default=None)
+    return None if best is None or best.log10_bound > LOCKED else best.reading()
 
 
 def _locks(search: Search) -> Iterator[_Lock]:
