@@ -2,8 +2,8 @@
 
 Copies are marked as by default (both layers). Of two copies the key alone must read both ids; of more they are
 looked for among issued ids. Whoever is named and took no part is counted; besides, readings of these suspects are
-compared with lists of ids of which none is in them. Three copies a + b - c show the sum of three words, which is the
-word of an id that nobody has: no id must be named there.
+compared with lists of ids of which none is in them. Three copies a + b - c show the sum of three words, which is
+the word of an id that nobody has: no id must be named there.
 """
 
 from __future__ import annotations

@@ -35,11 +35,11 @@ __all__ = ["FingerprintReading", "read_fingerprint"]
 
 # An edited copy may have a few points less than an embedding asks for.
 FEWER = 0.9
-# Reach of the search for a correction, in standard deviations, and places in it. Peaks that are polished, and pilots
-# that they are judged by, at first and then.
+# Reach of the search for a correction, in standard deviations, and places in it. Peaks that are polished, and
+# pilots that they are judged by, at first and then.
 REACH, PLACES = 2.5, 300_000
 ROUNDS = ((6, 500), (1, 2000))
-# Locks that are polished, if they are less likely by chance than 10^this: one that is a little off may be hardly so.
+# Locks that are polished, if they are less likely by chance than 10^this: one that is off may be hardly so.
 POLISHED, PROMISING = 3, -4.0
 
 

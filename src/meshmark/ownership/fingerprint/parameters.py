@@ -47,8 +47,8 @@ SEEN_MORE: Final = 0.1
 # Fewer pilots are not read. Places of each axis that are tried, to a step.
 FEWEST_PILOTS: Final = 60
 SHIFTS: Final = 16
-# A lock less likely than 10^this, over all that was tried, is one; so is a word that is named, of eight at most that
-# are looked for.
+# A lock less likely than 10^this, over all that was tried, is one; so is a word that is named, of eight at most
+# that are looked for.
 LOCKED: Final = -9.0
 NAMED: Final = -9.0
 # What is left to find of shift and logarithm of scale, in steps, and of the turn, in radians (standard deviations):
