@@ -2,7 +2,8 @@
 
 Copies are marked as by default (both layers). Of two copies the key alone must read both ids; of more they are
 looked for among issued ids. Whoever is named and took no part is counted; besides, readings of these suspects are
-compared with lists of ids of which none is in them.
+compared with lists of ids of which none is in them. Three copies a + b - c show the sum of three words, which is
+the word of an id that nobody has: no id must be named there.
 """
 
 from __future__ import annotations
@@ -56,6 +57,7 @@ class Answer:
 def collusion(options: Options) -> list[Figure]:
     """Return how often colluders are named, by group, and innocents."""
     answers: list[Answer] = []
+    sums: list[int] = []
     seen: list[FloatArray] = []
     rng = options.rng(10)
     issued = [int(each) for each in rng.integers(2**63, size=ISSUED - max(GROUPS), dtype=np.int64)]
@@ -70,13 +72,21 @@ def collusion(options: Options) -> list[Figure]:
         for group, mean, suspect in suspects(mesh, copies):
             answers.append(answer(suspect, ids, group=group, mean=mean, issued=issued))
             seen += _readings(suspect) if mean == "average" else []
+        sums.append(len(mm.extract(mesh.with_vertices(copies[0] + copies[1] - copies[2]), KEY).ids))
         models += 1
         own = " ".join(f"{each.group}{each.mean[:3]} {each.right}+{each.wrong}" for each in answers[-9:])
-        print(f"{name} ({len(mesh.vertices)}): {own}", flush=True)
+        print(f"{name} ({len(mesh.vertices)}): {own}, a + b - c {sums[-1]}", flush=True)
         if models == options.count(MODELS) or monotonic() > options.end:
             break
     trials = TRIALS if options.tries is None else options.tries
-    return [*_figures(answers, models), innocents(seen, trials, options)]
+    added = Figure(
+        name="three copies added up, a + b - c: any id named",
+        measured=str(sum(each > 0 for each in sums)),
+        of=f"{len(sums)} suspects, {models} models",
+        bar="0",
+        met=not any(sums),
+    )
+    return [*_figures(answers, models), added, innocents(seen, trials, options)]
 
 
 def suspects(mesh: Mesh, copies: FloatArray) -> Iterator[tuple[int, str, Mesh]]:

@@ -193,7 +193,7 @@ def xored(tries: int, options: Options) -> Figure:
         for one, other, third in combinations(range(COPIES), 3):
             suspect = mesh.with_vertices(copies[one] + copies[other] - copies[third])
             innocent = ids[one] ^ ids[other] ^ ids[third]
-            found = extract(suspect, KEY, search="plain").ids
+            found = extract(suspect, KEY, search="plain", copies=True).ids
             framed += innocent in found
             anyone += bool(set(found) - {ids[one], ids[other], ids[third]})
             done += 1

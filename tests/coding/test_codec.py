@@ -242,3 +242,24 @@ def test_the_bound_holds_and_is_close_for_unequal_carriers() -> None:
         log_tail = np.log(np.cosh(tilt * llr)).sum() - tilt * agreement + np.log(weights.mean())
         exact = min(0.0, float(log_tail / np.log(10.0)) + 64 * log10(2.0))
         assert exact - 0.05 <= log10_chance(llr, agreement) <= exact + 2.5
+
+
+def test_the_other_of_two_ids_is_told_from_where_they_differ():
+    rng = np.random.default_rng(0)
+    _, differ = average_of(9, 7, 600, rng)
+    other, chance = CODEC.decode_other(9, differ)
+    assert other == 7
+    assert chance < -30.0
+    assert CODEC.decode_other(7, differ)[0] == 9
+
+
+def test_there_is_no_other_id_where_nothing_differs():
+    same = np.bincount(np.random.default_rng(0).integers(0, CODEC.n, 600), minlength=CODEC.n)
+    assert CODEC.decode_other(9, same.astype(float)) == (9, 0.0)
+
+
+def test_a_witness_is_the_ids_own_and_the_keys():
+    bits = CODEC.witness(9)
+    assert np.array_equal(bits, Codec(KEY).witness(9))
+    for other in (CODEC.witness(7), OTHER.witness(9), CODEC.encode(9)):
+        assert 0.45 < (other == bits).mean() < 0.55

@@ -58,6 +58,19 @@ def test_the_shaped_surface_says_the_bits_and_the_pilots_as_foretold(standard):
         assert agreement[kind].mean() == pytest.approx(told, abs=0.12)
 
 
+def test_steps_are_judged_by_one_word_whichever_is_shaped(standard):
+    other = Codec(KEY).encode(7)
+    alike = Shaping(SURFACE, LATTICE, other, SEEN, 0.025, typical=BITS)
+    unlike = Shaping(SURFACE, LATTICE, other, SEEN, 0.025)
+    values = [
+        (each.rms(STEP), each.borne(STEP), each.loudness(STEP), each.expected_cosine(STEP, 0.0))
+        for each in (standard, alike, unlike)
+    ]
+    assert values[0] == values[1] != values[2]
+    assert np.array_equal(alike.shaped(STEP), unlike.shaped(STEP))
+    assert cosines(alike.shaped(STEP), STEP)[0].mean() < 0.5 < cosines(standard.shaped(STEP), STEP)[0].mean()
+
+
 def test_what_may_be_seen_sets_how_far_cells_go():
     told, shares = [], []
     for share in (0.003, 0.025, 0.2):

@@ -93,7 +93,7 @@ def test_of_several_ids_those_are_named_that_no_innocent_one_would_be_taken_for(
         found = Found(reading=None, present=True, log10_false_positive=-20.0, ids=(1, 2))
         return replace(found, log10_words=(ACCUSED_LOG10 - 0.1, ACCUSED_LOG10 + 0.1))
 
-    monkeypatch.setattr(tracing, "find", find)
+    monkeypatch.setattr(tracing, "find_copies", find)
     found = trace(marked[0], KEY, registry)
     assert names(found) == ["recipient 1"]
     assert found.extraction.ids == (1, 2)

@@ -142,6 +142,23 @@ class Codec:
         ids = sorted(self._long.number(each) for each in (image, image ^ difference))
         return DecodedPair(ids=(ids[0], ids[1]), log10_chances=(chance, second))
 
+    def decode_other(self, identity: int, differ: FloatArray) -> tuple[int, float]:
+        """Return the id of 64 bits of the other of two combined copies, and log10 of a bound on its chance.
+
+        identity: of one of the two. differ: as `decode_pair` takes it; the bound takes its signs for those of
+        coins where no other copy is there. It is 0 where the other id is the same.
+
+        Raises `InputError` as `decode` does.
+        """
+        _check(differ)
+        _, difference, _, chance = self._long.likeliest(differ)
+        other = self._long.number(self._long.image(identity) ^ difference)
+        return other, chance if difference else 0.0
+
+    def witness(self, identity: int) -> Bits:
+        """Return bits (n,) that depend on key and id by a keyed hash: unlike words they do not add up."""
+        return keyed_bits(self._key.subkey(f"witness of {identity:016x}"), LENGTH)
+
     def words(self, ids: Sequence[int]) -> WordList:
         """Return the code bits of m ids of 64 or 32 bits; raises `InputError` for other numbers."""
         short = [place for place, each in enumerate(ids) if bits_of(each) == SHORT_BITS]

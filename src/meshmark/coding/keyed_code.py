@@ -43,6 +43,10 @@ class KeyedCode:
         """Return the code bits (n,) of a number."""
         return self._code.encode(self._permutation.forward(number)) ^ self.mask
 
+    def image(self, number: int) -> int:
+        """Return what stands for a number in the code without permutation and mask."""
+        return self._permutation.forward(number)
+
     def number(self, image: int) -> int:
         """Return the number of the word that stands for `image` in the code without permutation and mask."""
         return self._permutation.backward(image)

@@ -87,14 +87,16 @@ def extract(
     checked_request(key, reference, search=search, time_limit=time_limit)
     start, end = perf_counter(), None if time_limit is None else monotonic() + time_limit
     marks = evidence_of_marks(mesh, key)
+    mostly_whole = sum(entry.share for entry in marks) >= _MOSTLY_WHOLE
     found = extract_ownership(
         mesh,
         key,
         reference=reference,
-        search="plain" if sum(entry.share for entry in marks) >= _MOSTLY_WHOLE else search,
+        search="plain" if mostly_whole else search,
         time_limit=_left(end),
         cut=cut,
         among=among,
+        copies=not mostly_whole,  # marks of authentication do not survive that copies are put together
     )
     agreed = (len(found.ids) == 1 or found.bits == 0) and all(entry.id == found.id for entry in marks)
     averaged = len(found.ids) > 1 and not marks

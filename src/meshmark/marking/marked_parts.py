@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from meshmark.coding.keys import Key
 from meshmark.geometry.surface import Surface
-from meshmark.geometry.surface_of import surface_of
 from meshmark.mesh import Mesh
+from meshmark.ownership.parts_read import part_surfaces, parts_at_points
 
 __all__ = ["parts_in_words", "parts_read", "tells_id"]
 
@@ -29,16 +29,8 @@ def parts_read(mesh: Mesh, key: Key, identity: int, carrying: tuple[int, ...]) -
         Those of `carrying` from whose points it is read, and the number of parts that tell it by their points or
         by their marks of authentication.
     """
-    from meshmark.ownership.assembly_parts import assembly_parts
-    from meshmark.ownership.embedding_in_parts import is_read_in_part
-
-    whole = surface_of(mesh)
-    surfaces = [part.surface(whole.points) for part in assembly_parts(whole)]
-    at_points = tuple(
-        number
-        for number, part in enumerate(surfaces)
-        if number in carrying and part is not None and is_read_in_part(part, key, identity)
-    )
+    surfaces = part_surfaces(mesh)
+    at_points = parts_at_points(surfaces, carrying, key, identity)
     others = (part for number, part in enumerate(surfaces) if number not in at_points and part is not None)
     return at_points, len(at_points) + sum(_is_read_in_marks(part, key, identity) for part in others)
 

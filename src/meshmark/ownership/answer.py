@@ -49,6 +49,12 @@ def _in_words(found: Found, mode: str, agreeing: int) -> tuple[str, str]:
 
     The advice is part of what strangers are told: a number that changes with each edit would lead them to the mark.
     """
+    if found.combined:
+        return (
+            "present",
+            "Copies with different ids were put together so that they show an id that none of them has; none can "
+            "be told.",
+        )
     if len(found.ids) > 1:
         return (
             "present",

@@ -39,6 +39,7 @@ class Found:
     stopped: the time ran out before the search was at its end.
     log10_words: for each id but `PRESENCE` a bound on the chance that a reading of something else tells it, over
     all that was decoded: without the lock, which is no chance where another mark of this key is there.
+    combined: several copies were put together, none of which can be told.
     """
 
     reading: Reading | None
@@ -47,6 +48,7 @@ class Found:
     ids: tuple[int, ...] = ()
     stopped: bool = False
     log10_words: tuple[float, ...] = ()
+    combined: bool = False
 
     @property
     def id(self) -> int | None:

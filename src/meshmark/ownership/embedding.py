@@ -90,6 +90,28 @@ def embed(
         strength=strength,
         rms=sqrt(budget**2 - reserve**2),
     )
+    return _with_fingerprint(task)
+
+
+def _with_fingerprint(task: EmbeddingTask) -> Owned:
+    """Return the mark, in cells with a fingerprint beside them where there is room for both."""
+    from meshmark.ownership.embedding_with_fingerprint import (
+        leaving_room,
+        may_have_fingerprint,
+        with_fingerprint,
+    )
+
+    if not may_have_fingerprint(task):
+        return _whole_and_parts(task)
+    try:
+        owned = _whole_and_parts(leaving_room(task))
+    except CapacityError:
+        return _whole_and_parts(task)
+    return owned if owned.mark.at_points else with_fingerprint(task, owned)
+
+
+def _whole_and_parts(task: EmbeddingTask) -> Owned:
+    """Return the mark of the whole, and in those of its parts that can carry it."""
     parts = assembly_parts(task.surface)
     if not parts:
         return _marked(task)

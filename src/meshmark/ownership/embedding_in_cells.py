@@ -77,7 +77,9 @@ def _shapings(task: EmbeddingTask, *, one: bool, still: NDArray[np.bool_] | None
     rich, scarce = 0, []
     for spacing in spacings:
         lattice = Lattice.keyed(task.key, spacing, task.label)
-        shaping = Shaping(surface, lattice, task.word, task.seen, task.share, still=still)
+        shaping = Shaping(
+            surface, lattice, task.word, task.seen, task.share, typical=task.typical_word, still=still
+        )
         if shaping.capacity < CARRIER_ENOUGH:
             scarce.append(shaping)
             continue

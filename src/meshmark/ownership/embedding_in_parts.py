@@ -33,6 +33,7 @@ from meshmark.ownership.points.point_choice import Choice
 from meshmark.ownership.points.point_lattice import PointLattice
 from meshmark.ownership.points.point_reading import Framed
 from meshmark.ownership.points.point_shaping import PointShaping
+from meshmark.ownership.points.targets import Word
 from meshmark.ownership.search.search import Search
 from meshmark.ownership.vertex_displacement import displacement_rms
 
@@ -60,6 +61,8 @@ MORE_BITS = 12
 COSTS, LEFT = (0.06, 0.02), 0.9
 # A motion along a carrying coordinate by a step as large as its own costs this times the lock.
 COST_OF_STEP = 5.0
+# Points that a part moved by less than this, over the diagonal, went along for the sake of its frame.
+STAYED = 2e-5
 # What parts may add to the visible share, over that which is allowed.
 SEEN_MORE = 0.1
 
@@ -100,7 +103,8 @@ def embed_in_parts(task: EmbeddingTask, owned: Owned, parts: Sequence[AssemblyPa
             and displacement_rms(task.mesh, made.mesh) <= task.budget
             and (task.keeps_planes(made.mesh) or not task.keeps_planes(owned.mesh))
         ):
-            return made
+            moved = np.linalg.norm(_points(task, made.mesh) - _points(task, owned.mesh), axis=1)
+            return replace(made, held=moved > STAYED * task.diagonal)
     return owned
 
 
@@ -204,7 +208,7 @@ def _made(task: EmbeddingTask, points: FloatArray, part: AssemblyPart, limits: _
     shaping = PointShaping(
         before,
         lattice,
-        task.word,
+        Word(task.word),
         largest=PART_LARGEST * LARGEST[task.strength] * task.diagonal / before.diagonal,
         budget=0.0,  # what there is of round parts was stretched before the whole was marked
         still=part.still,

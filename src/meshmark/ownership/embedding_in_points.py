@@ -29,6 +29,7 @@ from meshmark.ownership.points.point_choice import Choice
 from meshmark.ownership.points.point_lattice import PointLattice
 from meshmark.ownership.points.point_reading import Framed
 from meshmark.ownership.points.point_shaping import PointShaping
+from meshmark.ownership.points.targets import Word
 from meshmark.ownership.search.search import Search
 from meshmark.ownership.search.trials import TrialCounter
 from meshmark.ownership.vertex_displacement import displacement_rms
@@ -59,7 +60,9 @@ def embed_in_points(task: EmbeddingTask) -> Owned:
             f"its {used:,} points are too many for points to carry it, {MOST_POINTS:,} at most"
         )
     lattice = PointLattice.keyed(task.key, task.label)
-    shaping = PointShaping(task.surface, lattice, task.word, largest=LARGEST[task.strength], budget=task.rms)
+    shaping = PointShaping(
+        task.surface, lattice, Word(task.word), largest=LARGEST[task.strength], budget=task.rms
+    )
     tried: list[tuple[float, float, Mesh]] = []
     told = 0.0
     for worth, choice in islice(_choices(shaping, task), TRIES):

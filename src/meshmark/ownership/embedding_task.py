@@ -6,10 +6,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from meshmark.coding.codec import Codec
 from meshmark.coding.keys import Key
-from meshmark.coding.message import bits_of
+from meshmark.coding.message import PRESENCE, bits_of
 from meshmark.coding.polar import Bits
 from meshmark.geometry.plane_patches import PlanePatches
 from meshmark.geometry.surface import Surface
@@ -35,11 +36,13 @@ class Owned:
     """A mesh with a mark of the ownership layer.
 
     folded: share of the surface, 0 to 1, in cells where faces point in too many directions; 0 of a mark at points.
+    held: (p,) points of its surface that carry the id of a part; None where no part has its own.
     """
 
     mesh: Mesh
     mark: OwnershipMark
     folded: float = 0.0
+    held: NDArray[np.bool_] | None = None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -85,6 +88,11 @@ class EmbeddingTask:
     def word(self) -> Bits:
         """The code word of the id."""
         return Codec(self.key).encode(self.identity)
+
+    @cached_property
+    def typical_word(self) -> Bits:
+        """A word like that of any id, by which steps are judged: all copies of a model should have one step."""
+        return Codec(self.key).encode(PRESENCE)
 
     @cached_property
     def planes(self) -> PlanePatches:

@@ -23,7 +23,7 @@ from meshmark.ownership.search.trials import OutOfTimeError, TrialCounter
 from meshmark.scene.surfaces import surfaces_to_read
 from meshmark.threads import on_one_thread
 
-__all__ = ["MODES", "checked_request", "extract", "find"]
+__all__ = ["MODES", "checked_request", "extract", "find", "find_copies"]
 
 MODES = {type(None): "blind", Certificate: "certificate", Mesh: "original"}
 
@@ -38,6 +38,7 @@ def extract(
     time_limit: float | None = None,
     cut: bool = False,
     among: Sequence[int] = (),
+    copies: bool = False,
 ) -> Extraction:
     """Read the id from a mesh with the key alone, or with a reference as well.
 
@@ -59,6 +60,8 @@ def extract(
     among : sequence of int, optional
         Ids of which one may be there: it takes less evidence to tell it from these than from all 2^64, and averages
         of more than two copies name those of them that took part.
+    copies : bool
+        Also ask the fingerprint, where there is one, whether copies were combined.
 
     Returns
     -------
@@ -73,17 +76,16 @@ def extract(
     start = perf_counter()
     checked_request(key, reference, search=search, time_limit=time_limit)
     surfaces = surfaces_to_read(mesh, cut=cut)
-    found = find(
-        Search(
-            surface=next(surfaces),
-            key=key,
-            effort=search,
-            reference=reference,
-            copies=surfaces,
-            trials=TrialCounter(time_limit),
-            among=tuple(dict.fromkeys(among)),
-        )
+    asked = Search(
+        surface=next(surfaces),
+        key=key,
+        effort=search,
+        reference=reference,
+        copies=surfaces,
+        trials=TrialCounter(time_limit),
+        among=tuple(dict.fromkeys(among)),
     )
+    found = find_copies(asked) if copies else find(asked)
     result = extraction_of(found, Codec(key), MODES[type(reference)], perf_counter() - start)
     remark = mismatch(reference, key, result.id) if isinstance(reference, Certificate) else None
     return result if remark is None else replace(result, advice=f"{result.advice} {remark}")
@@ -99,6 +101,21 @@ def checked_request(
         raise InputError(f"a time limit of {time_limit:g} seconds is out of range, expected more than 0")
     if isinstance(reference, Certificate):
         refuse_edited(reference, key)
+
+
+def find_copies(search: Search) -> Found:
+    """Return what `find` does, unless the fingerprint tells several ids, or that no id explains it.
+
+    Cells read the sum of three words as clearly as one, and an average of two as nothing. Where they tell nothing
+    and the fingerprint one id, it is that.
+    """
+    from meshmark.ownership.fingerprint.combined_copies import copies_of
+
+    told = copies_of(search)
+    if told is not None and len(told.ids) != 1:
+        return told
+    found = find(search)
+    return told if told is not None and not found.ids else found
 
 
 def find(search: Search, chosen: Callable[[Strategy], bool] | None = None) -> Found:

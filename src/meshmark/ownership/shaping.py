@@ -65,17 +65,20 @@ class Shaping:
         seen: VisibleChange,
         share: float,
         *,
+        typical: Bits | None = None,
         still: NDArray[np.bool_] | None = None,
     ) -> None:
         """seen: of the surface's points; share: of the surface where the mark may be visible, at most.
 
+        typical: a word by which steps are judged, so that they do not depend on the id; `bits` where left out.
         still: (p,) points that stay where they are; none where it is left out.
         """
         self._still = still
         self._surface, self._frame, self.lattice = surface, surface.frame, lattice
         self._bits, self._seen, self._share = bits, seen, share
+        self._typical = bits if typical is None else typical
         self._placed = lattice.coordinates(surface.frame.to_canonical(surface.points))
-        self._plans: dict[float, Compensation] = {}
+        self._plans: dict[tuple[float, bytes], Compensation] = {}
         self._sampler = plan_samples(self._placed, surface.faces, LONGEST_SAMPLE)
         self._samples = self._sampler(self._placed)
         cells = measure_cells(self._samples)
@@ -98,7 +101,7 @@ class Shaping:
 
     def loudness(self, step: float) -> float:
         """Return the 95th percentile of the ratio by which a mark without compensation is seen, 1 just noticed."""
-        turned = self._turning @ self._coefficients(self._whole(step))
+        turned = self._turning @ self._coefficients(self._whole(step, self._typical))
         return float(np.quantile(self._seen.ratios_of(turned), 0.95))
 
     def expected_cosine(self, step: float, noise: float) -> float:
@@ -107,7 +110,7 @@ class Shaping:
         noise: standard deviation of each point's motion along its normal, scene units.
         """
         astray = (2.0 * np.pi / step) * self._bumps.spread * (noise / self._unit)
-        return float(np.mean(self._plan(step).cosine * np.exp(-0.5 * astray**2)))
+        return float(np.mean(self._plan(step, self._typical).cosine * np.exp(-0.5 * astray**2)))
 
     def borne(self, step: float) -> float:
         """Return the noise, in the same unit, under which a mark of this step can just be read; 0 where none."""
@@ -130,7 +133,7 @@ class Shaping:
 
         Where few vertices span most of the surface, a small mean over vertices could hide a large dent.
         """
-        length = self._bumps.basis @ self._coefficients(self._change(step))
+        length = self._bumps.basis @ self._coefficients(self._plan(step, self._typical).change)
         means = (length * length) @ np.column_stack([self._copies, self._areas])
         return float(np.sqrt(means.max())) * self._unit
 
@@ -141,7 +144,7 @@ class Shaping:
         cell whose error grows, on an edge or a fold, is let go before it drags its neighbours along; the best
         pass is kept.
         """
-        change = self._change(step)
+        change = self._plan(step, self._bits).change
         target = self._start + change
         length = self._bumps.basis @ self._coefficients(change)
         held = np.ones(len(target), dtype=bool)
@@ -201,15 +204,13 @@ class Shaping:
     def _cells(self) -> Cells:
         return self._candidates.take(np.flatnonzero(self._bumps.free))
 
-    def _change(self, step: float) -> FloatArray:
-        """Return (f,): the changes of offset, in spacings, that tell most of every free cell's bit."""
-        return self._plan(step).change
-
-    def _plan(self, step: float) -> Compensation:
-        if step not in self._plans:
-            self._plans[step] = Compensation.of(
+    def _plan(self, step: float, bits: Bits) -> Compensation:
+        """Return the changes of offset that tell most of every free cell's bit."""
+        name = step, bits.tobytes()
+        if name not in self._plans:
+            self._plans[name] = Compensation.of(
                 Task(
-                    change=self._whole(step),
+                    change=self._whole(step, bits),
                     step=step,
                     cost=self._bumps.cost,
                     locks=~self.lattice.keys(self._cells.nodes).pilot,
@@ -217,13 +218,13 @@ class Shaping:
                     share=self._share,
                 )
             )
-        return self._plans[step]
+        return self._plans[name]
 
-    def _whole(self, step: float) -> FloatArray:
+    def _whole(self, step: float, bits: Bits) -> FloatArray:
         """Return the changes of offset (f,) that put every free cell on a point of its bit."""
         keys = self.lattice.keys(self._cells.nodes)
-        bits = np.where(keys.pilot, 0, self._bits[keys.code_index]).astype(np.int64)
-        return nearest_offsets(self._start, keys.dither, bits, step, self._bumps.cost)
+        asked = np.where(keys.pilot, 0, bits[keys.code_index]).astype(np.int64)
+        return nearest_offsets(self._start, keys.dither, asked, step, self._bumps.cost)
 
     @cached_property
     def _start(self) -> FloatArray:

@@ -29,7 +29,7 @@ from meshmark.errors import InputError
 from meshmark.mesh import Mesh
 from meshmark.ownership.answer import extraction_of
 from meshmark.ownership.decoding import Found
-from meshmark.ownership.extraction import find
+from meshmark.ownership.extraction import find, find_copies
 from meshmark.ownership.extraction_result import Extraction
 from meshmark.ownership.search.search import EFFORTS, Search
 from meshmark.ownership.search.strategies import Strategy
@@ -148,7 +148,7 @@ def trace(
         sure=ACCUSED_LOG10,
         trials=TrialCounter(time_limit),
     )
-    found, method = find(blind), "blind"
+    found, method = find_copies(blind), "blind"
     result, bounds = extraction_of(found, Codec(key), "registry", 0.0), found.log10_words
     if not _is_sure(found) and not found.stopped:
         marked = with_marks(replace(result, id=None, ids=()), mesh, key)

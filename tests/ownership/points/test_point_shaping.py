@@ -22,6 +22,7 @@ from meshmark.ownership.points.parameters import LARGEST, MOMENTS_APART, SHARES,
 from meshmark.ownership.points.point_choice import Choice
 from meshmark.ownership.points.point_lattice import PointLattice
 from meshmark.ownership.points.point_shaping import PointShaping
+from meshmark.ownership.points.targets import Word
 from tests.counting import some
 from tests.keys import ID, KEY
 from tests.low_poly import ball, box, frustum, joined, loose_box, prism, sides, table
@@ -68,7 +69,7 @@ def shaped(name: str, mode: int, step: int = 10, share: float = 1.0) -> Shaped:
 def shape(mesh: Mesh, choice: Choice) -> Shaped:
     task = EmbeddingTask(mesh=mesh, key=KEY, identity=ID, strength="standard", rms=1.0)
     lattice = PointLattice.keyed(KEY, task.label)
-    shaping = PointShaping(task.surface, lattice, task.word, largest=LARGEST["standard"], budget=BUDGET)
+    shaping = PointShaping(task.surface, lattice, Word(task.word), largest=LARGEST["standard"], budget=BUDGET)
     points = shaping.shaped(choice)
     assert points is not None
     return Shaped(task.surface, task.surface.moved(points), shaping, choice, lattice, task.word)
@@ -215,7 +216,7 @@ def test_what_cannot_be_moved_as_little_as_asked_is_given_up():
     task = EmbeddingTask(mesh=mesh, key=KEY, identity=ID, strength="standard", rms=1.0)
     lattice = PointLattice.keyed(KEY, task.label)
     # Its equal moments cannot be pushed apart by so little.
-    shaping = PointShaping(task.surface, lattice, task.word, largest=1e-5, budget=BUDGET)
+    shaping = PointShaping(task.surface, lattice, Word(task.word), largest=1e-5, budget=BUDGET)
     assert shaping.shaped(Choice(step=float(STEPS[0]), mode=0, share=1.0)) is None
 
 
@@ -243,7 +244,7 @@ def test_points_that_are_still_stay_where_they_are_and_the_area_is_held_where_it
         shaping = PointShaping(
             surface,
             lattice,
-            task.word,
+            Word(task.word),
             largest=LARGEST["standard"],
             budget=BUDGET,
             still=still,
@@ -257,5 +258,5 @@ def test_points_that_are_still_stay_where_they_are_and_the_area_is_held_where_it
         areas = [each.face_areas.sum() for each in (surface, surface.moved(points))]
         changes.append(abs(areas[1] / areas[0] - 1.0))
     assert changes[1] < 0.1 * changes[0]
-    free = PointShaping(surface, lattice, task.word, largest=LARGEST["standard"], budget=BUDGET)
+    free = PointShaping(surface, lattice, Word(task.word), largest=LARGEST["standard"], budget=BUDGET)
     assert counts[0] < free.expected(choice)[0]

@@ -9,7 +9,7 @@ from meshmark.ownership.carriers.lattice_label import Label
 from meshmark.ownership.points.coordinates import held
 from meshmark.ownership.points.parameters import GUARD, SIDE
 from meshmark.ownership.points.point_lattice import PointLattice
-from meshmark.ownership.points.targets import Quantiser, nearest_places
+from meshmark.ownership.points.targets import Quantiser, Word, nearest_places
 from tests.keys import ID, KEY
 
 LATTICE = PointLattice.keyed(KEY, Label(bytes(16)))
@@ -34,7 +34,7 @@ def off(points: np.ndarray, step: float = STEP) -> np.ndarray:
 
 def test_set_points_say_the_bits_of_the_cube_that_they_end_in():
     points, follow, carried = points_and_ways()
-    motion, done = nearest_places(points, follow, Quantiser(lattice=LATTICE, bits=BITS, step=STEP))
+    motion, done = nearest_places(points, follow, Quantiser(lattice=LATTICE, message=Word(BITS), step=STEP))
     assert done.mean() > 0.97
     assert off(points + motion)[carried & done[:, None]].max() < 1e-9
     assert off(points)[carried].mean() > 0.2
@@ -42,7 +42,7 @@ def test_set_points_say_the_bits_of_the_cube_that_they_end_in():
 
 def test_they_end_clear_of_the_sides():
     points, follow, _ = points_and_ways()
-    motion, done = nearest_places(points, follow, Quantiser(lattice=LATTICE, bits=BITS, step=STEP))
+    motion, done = nearest_places(points, follow, Quantiser(lattice=LATTICE, message=Word(BITS), step=STEP))
     places = LATTICE.places(points + motion)[done]
     inside = np.abs(places - np.floor(places) - 0.5)
     assert inside.max() < 0.5 - GUARD * STEP / SIDE
@@ -53,7 +53,7 @@ def test_they_end_clear_of_the_sides():
 def test_most_go_to_the_nearest_of_the_places():
     points, _, _ = points_and_ways()
     follow = np.broadcast_to(np.eye(3), (len(points), 3, 3))
-    motion, done = nearest_places(points, follow, Quantiser(lattice=LATTICE, bits=BITS, step=STEP))
+    motion, done = nearest_places(points, follow, Quantiser(lattice=LATTICE, message=Word(BITS), step=STEP))
     assert done.all()
     near = np.abs(motion).max(axis=1) <= 0.5 * STEP * (1.0 + 1e-9)
     assert near.mean() > 0.8
@@ -62,5 +62,21 @@ def test_most_go_to_the_nearest_of_the_places():
 
 def test_a_point_that_carries_nothing_stays():
     points, follow, _ = points_and_ways()
-    motion, _ = nearest_places(points, 0.0 * follow, Quantiser(lattice=LATTICE, bits=BITS, step=STEP))
+    motion, _ = nearest_places(
+        points, 0.0 * follow, Quantiser(lattice=LATTICE, message=Word(BITS), step=STEP)
+    )
     assert not motion.any()
+
+
+def test_points_that_were_moved_apart_go_to_the_same_places_of_their_aims():
+    aims, _, _ = points_and_ways()
+    random = np.random.default_rng(2)
+    follow = np.broadcast_to(np.eye(3), (len(aims), 3, 3))
+    quantiser = Quantiser(lattice=LATTICE, message=Word(BITS), step=STEP)
+    ends = []
+    for _ in range(2):
+        points = aims + STEP * random.normal(size=aims.shape)
+        motion, done = nearest_places(points, follow, quantiser, aims)
+        ends.append((points + motion)[done])
+    assert len(ends[0]) > 0.97 * len(aims)
+    assert np.abs(ends[0] - ends[1]).max() < 1e-12

@@ -17,13 +17,15 @@ __all__ = [
     "log_likelihood_ratio",
     "log_likelihood_ratio_of_points",
     "nearest_offsets",
+    "phase_noise",
+    "wrapped_normal",
 ]
 
 # Share of cells taken to say nothing, so that no single one can outvote many.
 BROKEN_SHARE = 0.03
 # Of points, the shares that are tried, and the variances of the phases of the others, in square radians.
 BROKEN_SHARES = np.array([0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9])
-WIDTHS = 4e-4 * 4.0 ** np.arange(7)
+WIDTHS: FloatArray = np.asarray(4e-4 * 4.0 ** np.arange(7), dtype=np.float64)
 
 
 def nearest_offsets(
@@ -88,21 +90,31 @@ def log_likelihood_ratio_of_points(phase: FloatArray) -> FloatArray:
     """
     if not len(phase):
         return np.zeros(0)
-    doubled = np.stack([_wrapped_normal(2.0 * phase, 4.0 * variance) for variance in WIDTHS])
-    mixed = (1.0 - BROKEN_SHARES[:, None, None]) * doubled + BROKEN_SHARES[:, None, None] / (2.0 * np.pi)
+    variance, broken = phase_noise(2.0 * phase, 4.0 * WIDTHS)
+    return _ratio(phase, 0.25 * variance, broken / (1.0 - broken))
+
+
+def phase_noise(phase: FloatArray, variances: FloatArray = WIDTHS) -> tuple[float, float]:
+    """Return (variance, share of broken carriers) that make phases (n,) about 0 likeliest, of those that are tried.
+
+    Wrapped normal noise, in square radians; broken carriers have any phase.
+    """
+    normal = np.stack([wrapped_normal(phase, variance) for variance in variances])
+    mixed = (1.0 - BROKEN_SHARES[:, None, None]) * normal + BROKEN_SHARES[:, None, None] / (2.0 * np.pi)
     likelihood = np.log(mixed).sum(axis=2)
     share, width = np.unravel_index(int(likelihood.argmax()), likelihood.shape)
-    return _ratio(phase, float(WIDTHS[width]), BROKEN_SHARES[share] / (1.0 - BROKEN_SHARES[share]))
+    return float(variances[width]), float(BROKEN_SHARES[share])
 
 
 def _ratio(phase: FloatArray, variance: float, broken: float) -> FloatArray:
     """Return the log-likelihood ratio under wrapped normal noise; broken: share of any phase, over the others."""
-    zero, one = (_wrapped_normal(phase - centre, variance) for centre in (0.0, np.pi))
+    zero, one = (wrapped_normal(phase - centre, variance) for centre in (0.0, np.pi))
     floor = broken / (2.0 * np.pi)
     return np.asarray(np.log(zero + floor) - np.log(one + floor))
 
 
-def _wrapped_normal(angle: FloatArray, variance: float) -> FloatArray:
+def wrapped_normal(angle: FloatArray, variance: float) -> FloatArray:
+    """Return the density of normal noise of this variance, wrapped onto the circle, at angles in radians."""
     nearest = angle - 2.0 * np.pi * np.round(angle / (2.0 * np.pi))
     turns = 2.0 * np.pi * np.array([-1.0, 0.0, 1.0])
     density = np.exp(-((nearest[..., None] + turns) ** 2) / (2.0 * variance)).sum(axis=-1)

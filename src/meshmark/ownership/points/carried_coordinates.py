@@ -90,10 +90,18 @@ class Carried:
         """(p, 3) for each of `MODES`: the coordinates that carry where there is room."""
         return chosen_coordinates(self.stars.tensor, MODES)
 
-    def turned(self, axes: FloatArray) -> tuple[NDArray[np.bool_], ...]:
-        """Return `coordinates` along other axes (3, 3), the columns in canonical coordinates."""
+    @cached_property
+    def first_coordinates(self) -> NDArray[np.bool_]:
+        """(p, 3) those of the first of `MODES`."""
+        return chosen_coordinates(self.stars.tensor, MODES[:1])[0]
+
+    def turned(self, axes: FloatArray, modes: int = len(MODES)) -> tuple[NDArray[np.bool_], ...]:
+        """Return `coordinates` along other axes (3, 3), the columns in canonical coordinates.
+
+        modes: of how many of the first of `MODES`.
+        """
         order = np.abs(axes).argmax(axis=0)
         if np.allclose(np.abs(axes), np.eye(3)[:, order], atol=1e-9) and (order == np.arange(3)).all():
-            return self.coordinates
+            return self.coordinates if modes > 1 else (self.first_coordinates,)
         tensor = np.einsum("ji,pjk,kl->pil", axes, self.stars.tensor, axes)
-        return chosen_coordinates(tensor, MODES)
+        return chosen_coordinates(tensor, MODES[:modes])

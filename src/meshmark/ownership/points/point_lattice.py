@@ -58,13 +58,13 @@ class PointLattice:
     _cubes: bytes
 
     @classmethod
-    def keyed(cls, key: Key, label: Label) -> PointLattice:
-        """Return the lattice of a label: those of two labels have nothing in common."""
+    def keyed(cls, key: Key, label: Label, use: str = "points") -> PointLattice:
+        """Return the lattice of a label: those of two labels, or of two uses, have nothing in common."""
         return cls(
             label=label,
-            axes=rotation(key.subkey(f"turn of points of {label}")),
-            shift=offset(key.subkey(f"shift of points of {label}")),
-            _cubes=key.subkey(f"points of {label}"),
+            axes=rotation(key.subkey(f"turn of {use} of {label}")),
+            shift=offset(key.subkey(f"shift of {use} of {label}")),
+            _cubes=key.subkey(f"{use} of {label}"),
         )
 
     def places(self, canonical: FloatArray) -> FloatArray:

@@ -80,9 +80,20 @@ class Framed:
     group: IntArray
 
     @classmethod
-    def of(cls, surface: Surface, carried: Carried, frame: Frame, lattice: PointLattice) -> Framed:
-        """Read a surface in a turn of the frame that `carried` was found in."""
-        coordinates = carried.turned(carried.frame.axes.T @ frame.axes)
+    def of(
+        cls,
+        surface: Surface,
+        carried: Carried,
+        frame: Frame,
+        lattice: PointLattice,
+        *,
+        modes: int = len(MODES),
+    ) -> Framed:
+        """Read a surface in a turn of the frame that `carried` was found in.
+
+        modes: how many of the first of `MODES` are read.
+        """
+        coordinates = carried.turned(carried.frame.axes.T @ frame.axes, modes)
         return cls._at(frame.to_canonical(surface.points), coordinates, carried.room, lattice)
 
     @classmethod
@@ -180,6 +191,11 @@ class Framed:
             log10_chance=self._chance(score, square),
             hypotheses=hypotheses,
         )
+
+    def lock_chance(self, carries: NDArray[np.bool_], step: float) -> float:
+        """Return log10 of the chance of the phases of coordinates (p, 3) that say 0 on every copy."""
+        real, square = _summed(np.exp(1j * self.phases(step)[carries]), self.group[carries])
+        return self._chance(float(real.sum()), square)
 
     @property
     def readable(self) -> int:

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from meshmark.coding.keyed_code import LENGTH
-from meshmark.coding.polar import Bits
 from meshmark.geometry.areas import area_vectors
 from meshmark.geometry.joints import joints_of
 from meshmark.geometry.surface import Surface
@@ -22,7 +21,7 @@ from meshmark.ownership.points.moments_apart import moments_apart, stretched
 from meshmark.ownership.points.parameters import LIFTED, SLIDING
 from meshmark.ownership.points.point_choice import Choice
 from meshmark.ownership.points.point_lattice import PointKeys, PointLattice
-from meshmark.ownership.points.targets import Quantiser, nearest_places
+from meshmark.ownership.points.targets import Message, Quantiser, nearest_places
 
 __all__ = ["PointShaping"]
 
@@ -46,23 +45,26 @@ NEARLY = 0.7
 class PointShaping:
     """A surface whose points are to carry bits.
 
-    surface: to be marked. lattice: of its label. bits: of the id's word. largest: displacement of a point at most,
-    over the diagonal; budget: RMS displacement, over the diagonal. still: (p,) points that stay where they are;
-    none where it is left out. holds_area: the surface keeps its area as well as its frame.
+    surface: to be marked. lattice: of its label. message: what coordinates say. largest: displacement of a point at
+    most, over the diagonal; budget: RMS displacement, over the diagonal. still: (p,) points that stay where they
+    are; none where it is left out. holds_area: the surface keeps its area as well as its frame. aims: (p, 3) scene
+    points from which the places of the points are told, of the surface where left out.
     """
 
     def __init__(
         self,
         surface: Surface,
         lattice: PointLattice,
-        bits: Bits,
+        message: Message,
         *,
         largest: float,
         budget: float,
         still: NDArray[np.bool_] | None = None,
         holds_area: bool = False,
+        aims: FloatArray | None = None,
     ) -> None:
-        self._surface, self._lattice, self._bits = surface, lattice, bits
+        self._surface, self._lattice = surface, lattice
+        self._message = message
         self._still = np.zeros(len(surface.points), bool) if still is None else still
         self._frame = surface.frame
         self._start = Carried.of(surface, self._frame)
@@ -75,6 +77,7 @@ class PointShaping:
         # Stretching the whole keeps planes plane; what it leaves of the moments, some points make up for.
         self._stretched = stretched(self._points, self._frame, moments)
         self._stretched[self._still] = self._points[self._still]
+        self._aims = None if aims is None else self._frame.to_canonical(aims)
 
     @cached_property
     def _joints(self) -> csr_array:
@@ -112,7 +115,7 @@ class PointShaping:
         """Return the points (p, 3), in scene units, moved as chosen; None where faces would fold over."""
         surface, start, joints = self._surface, self._stretched, self._joints
         before = _normals(start, surface.faces)
-        quantiser = Quantiser(lattice=self._lattice, bits=self._bits, step=choice.step)
+        quantiser = Quantiser(lattice=self._lattice, message=self._message, step=choice.step)
         frozen = (joints.diagonal() != 1.0) | (np.diff(joints.indptr) != 1) | self._still
         yields = np.minimum(self._start.stars.height / self._largest, 1.0) ** 2
         points, motion = start, np.zeros_like(start)
@@ -123,7 +126,7 @@ class PointShaping:
             draw = self._lattice.keys(self._lattice.cubes(points)).draw
             carries = carried.carrying(choice, draw) & ~frozen[:, None]
             follow, _ = held(ease, carries)
-            motion, done = nearest_places(start, follow, quantiser)
+            motion, done = nearest_places(start, follow, quantiser, self._aims)
             done &= carries.any(axis=1) & (np.linalg.norm(motion, axis=1) <= self._largest)
             motion[~done] = 0.0
             carries &= done[:, None]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import product
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,9 +12,9 @@ from numpy.typing import NDArray
 from meshmark.coding.polar import Bits
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.ownership.points.parameters import GUARD, SIDE
-from meshmark.ownership.points.point_lattice import PointLattice
+from meshmark.ownership.points.point_lattice import PointKeys, PointLattice
 
-__all__ = ["Quantiser", "nearest_places"]
+__all__ = ["Message", "Quantiser", "Word", "nearest_places"]
 
 # Steps beside the nearest point that are tried for each coordinate, where that one lies outside of the cube.
 BESIDE = np.array(list(product((0, -1, 1), repeat=3)))
@@ -21,17 +22,35 @@ BESIDE = np.array(list(product((0, -1, 1), repeat=3)))
 ACROSS = np.array(list(product((0, 1), repeat=3)))
 
 
+class Message(Protocol):
+    """What coordinates say."""
+
+    def bits(self, keys: PointKeys) -> NDArray[np.integer[Any]]:
+        """Return the bits (n, 3) of the coordinates that the key says this of."""
+
+
+@dataclass(frozen=True, eq=False)
+class Word:
+    """One code word (LENGTH,), which all coordinates carry."""
+
+    word: Bits
+
+    def bits(self, keys: PointKeys) -> Bits:
+        """Return the bits (n, 3) of the coordinates that the key says this of."""
+        return self.word[keys.code_index]
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Quantiser:
-    """Where coordinates go: to the bits of a code word, as the lattice says; step: in canonical units."""
+    """Where coordinates go: to what they are to say, as the lattice tells; step: in canonical units."""
 
     lattice: PointLattice
-    bits: Bits
+    message: Message
     step: float
 
 
 def nearest_places(
-    points: FloatArray, follow: FloatArray, quantiser: Quantiser
+    points: FloatArray, follow: FloatArray, quantiser: Quantiser, aims: FloatArray | None = None
 ) -> tuple[FloatArray, NDArray[np.bool_]]:
     """Return the motions (n, 3) that set the carried coordinates of points, and which points (n,) could be set.
 
@@ -45,10 +64,14 @@ def nearest_places(
     follow : (n, 3, 3) float array
         Motion of a point for a change of its coordinates, as of `held`.
     quantiser : Quantiser
+    aims : (n, 3) float array, optional
+        Canonical places from which the nearest places are told, those of the points themselves where left out.
+        Copies that were moved differently then go to the same places where their bits are the same.
     """
     motion = np.zeros_like(points)
     done = np.zeros(len(points), bool)
-    places = quantiser.lattice.places(points)
+    aims = points if aims is None else aims
+    places = quantiser.lattice.places(aims)
     own = np.floor(places).astype(np.int64)
     beyond = np.where(places - own < 0.5, -1, 1)
     for across in ACROSS:
@@ -56,25 +79,31 @@ def nearest_places(
         if not len(rows):
             break
         cubes = own[rows] + across * beyond[rows]
-        found, fits = _within(points[rows], follow[rows], cubes, quantiser)
+        found, fits = _within(points[rows], aims[rows], follow[rows], cubes, quantiser)
         motion[rows[fits]] = found[fits]
         done[rows[fits]] = True
     return motion, done
 
 
 def _within(
-    points: FloatArray, follow: FloatArray, cubes: IntArray, quantiser: Quantiser
+    points: FloatArray, aims: FloatArray, follow: FloatArray, cubes: IntArray, quantiser: Quantiser
 ) -> tuple[FloatArray, NDArray[np.bool_]]:
-    """Return the shortest motions (n, 3) that end well inside these cubes (n, 3), and for which there is one."""
+    """Return motions (n, 3) that end well inside these cubes (n, 3), and for which there is one.
+
+    Of those the one whose end is nearest to the aim.
+    """
     lattice, step = quantiser.lattice, quantiser.step
     keys = lattice.keys(cubes)
-    off = points / step - keys.dither - quantiser.bits[keys.code_index] / 2.0
+    off = aims / step - keys.dither - quantiser.message.bits(keys) / 2.0
     change = step * ((np.round(off) - off)[:, None] + BESIDE)  # (n, 27, 3)
-    motions = change @ follow.transpose(0, 2, 1)
+    turn = follow.transpose(0, 2, 1)
+    motions = change @ turn
+    length = np.einsum("nkj,nkj->nk", motions, motions)
+    motions = motions + ((aims - points)[:, None] @ turn)
     ends = lattice.places((points[:, None] + motions).reshape(-1, 3)).reshape(motions.shape) - cubes[:, None]
     margin = GUARD * step / SIDE
     inside = ((ends > margin) & (ends < 1.0 - margin)).all(axis=2)
-    length = np.where(inside, np.einsum("nkj,nkj->nk", motions, motions), np.inf)
+    length = np.where(inside, length, np.inf)
     best = length.argmin(axis=1)
     rows = np.arange(len(points))
     return motions[rows, best], np.isfinite(length[rows, best])

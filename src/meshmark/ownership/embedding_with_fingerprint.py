@@ -1,0 +1,102 @@
+"""Embedding of the fingerprint: points beside the cells slide along the surface until they say the id once more.
+
+Where their bits are the same the points of all copies of a model go to the same places: those nearest to where
+the original has them, by a step that depends on the strength only. So an average keeps what copies have in common.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from meshmark.coding.codec import Codec
+from meshmark.coding.message import ID_BITS
+from meshmark.geometry.surface_of import surface_of_moved
+from meshmark.ownership.embedding_task import EmbeddingTask, Owned
+from meshmark.ownership.extraction import find
+from meshmark.ownership.fingerprint.parameters import (
+    LARGEST_SHARE,
+    LEAST_POINTS,
+    RESERVED,
+    SEEN_MORE,
+    choice_of,
+)
+from meshmark.ownership.fingerprint.roles import Said, fingerprint_lattice
+from meshmark.ownership.parts_read import part_surfaces, parts_at_points
+from meshmark.ownership.points.parameters import LARGEST, MOST_POINTS
+from meshmark.ownership.points.point_shaping import PointShaping
+from meshmark.ownership.search.search import Search
+from meshmark.ownership.vertex_displacement import displacement_rms
+
+__all__ = ["leaving_room", "may_have_fingerprint", "with_fingerprint"]
+
+# How much of the lock of the cells must be left.
+LEFT = 0.9
+
+
+def may_have_fingerprint(task: EmbeddingTask) -> bool:
+    """Return whether a model has points enough, and not too many, and an id of 64 bits to carry."""
+    return task.bits == ID_BITS and LEAST_POINTS <= len(task.surface.points) <= MOST_POINTS
+
+
+def leaving_room(task: EmbeddingTask) -> EmbeddingTask:
+    """Return the task with the budget that the cells have beside a fingerprint."""
+    return replace(task, rms=task.rms * (1.0 - RESERVED**2) ** 0.5)
+
+
+def with_fingerprint(task: EmbeddingTask, owned: Owned) -> Owned:
+    """Return a mesh marked in cells with a fingerprint besides; as it is where that costs the mark too much.
+
+    Parameters
+    ----------
+    task : EmbeddingTask
+        Of the unmarked mesh, with the whole budget.
+    owned : Owned
+        The mark in cells.
+    """
+    surface = surface_of_moved(owned.mesh, task.mesh)
+    if len(surface.points) != len(task.surface.points):
+        return owned
+    shaping = PointShaping(
+        surface,
+        fingerprint_lattice(task.key, owned.mark.label),
+        Said.of(Codec(task.key), task.identity),
+        largest=LARGEST_SHARE * LARGEST[task.strength],
+        budget=0.0,
+        still=owned.held,
+        holds_area=True,
+        aims=task.surface.points,
+    )
+    points = shaping.shaped(choice_of(task.strength))
+    if points is None:
+        return owned
+    made = replace(owned, mesh=task.moved(points))
+    before = task.seen.of(surface.points).share
+    fits = (
+        displacement_rms(task.mesh, made.mesh) <= task.budget
+        and task.seen.of(points).share <= max(task.share, before) + SEEN_MORE * task.share
+        and (task.keeps_planes(made.mesh) or not task.keeps_planes(owned.mesh))
+        and _lock(task, made) >= LEFT * _lock(task, owned)
+        and _parts_are_read(task, made)
+    )
+    return made if fits else owned
+
+
+def _parts_are_read(task: EmbeddingTask, made: Owned) -> bool:
+    """Return whether the parts that carry the id by themselves still do."""
+    parts = made.mark.parts
+    return not parts or parts_at_points(part_surfaces(made.mesh), parts, task.key, task.identity) == parts
+
+
+def _lock(task: EmbeddingTask, owned: Owned) -> float:
+    """Return the mean cosine of the phases of the cells, 0 where the id is not read from them."""
+    search = Search(
+        surface=surface_of_moved(owned.mesh, task.mesh),
+        key=task.key,
+        effort="plain",
+        label=owned.mark.label,
+        spacings=(owned.mark.spacing,),
+    )
+    found = find(search)
+    if found.id != task.identity or found.reading is None:
+        return 0.0
+    return found.reading.score / float(found.reading.keys.weight.sum())

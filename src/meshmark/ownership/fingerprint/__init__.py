@@ -1,0 +1,1 @@
+"""The fingerprint: the id once more, in many points beside the cells, by which combined copies are traced."""
