@@ -89,7 +89,7 @@ def test_a_point_that_was_unread_before_keeps_a_mark_that_is_read(planned):
         first = mended(planned, KEY, _unread(_at(planned, [point]), failing=failing), FINE)
         assert wanted in first.marks
         distance = _distance(planned, _at(planned, [wanted]))
-        for other in np.flatnonzero(distance == 2):
+        for other in some(np.flatnonzero(distance == 2)):
             unread = _at(planned, [int(other)])
             remembered = _unread(unread, ever=_at(planned, [point]), failing=failing)
             assert wanted in mended(first, KEY, remembered, FINE).marks
