@@ -245,6 +245,6 @@ def put_junk(share: Share, data: st.DataObject) -> None:
             continue
     try:
         glb = sample.glb()
-    except (KeyError, TypeError):
+    except (KeyError, TypeError, ValueError):  # a list that was put into itself is no JSON
         return
     read_or_refuse(glb, True, share)

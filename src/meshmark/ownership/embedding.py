@@ -97,11 +97,10 @@ def _with_fingerprint(task: EmbeddingTask) -> Owned:
     """Return the mark, in cells with a fingerprint beside them where there is room for both."""
     from meshmark.ownership.embedding_with_fingerprint import (
         leaving_room,
-        may_have_fingerprint,
         with_fingerprint,
     )
 
-    if not may_have_fingerprint(task):
+    if not task.may_have_fingerprint:
         return _whole_and_parts(task)
     try:
         owned = _whole_and_parts(leaving_room(task))

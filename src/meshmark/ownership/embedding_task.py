@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from meshmark.coding.codec import Codec
 from meshmark.coding.keys import Key
-from meshmark.coding.message import PRESENCE, bits_of
+from meshmark.coding.message import ID_BITS, PRESENCE, bits_of
 from meshmark.coding.polar import Bits
 from meshmark.geometry.plane_patches import PlanePatches
 from meshmark.geometry.surface import Surface
@@ -19,7 +19,9 @@ from meshmark.geometry.visibility import VisibleChange
 from meshmark.io.file_precision import conform
 from meshmark.mesh import FloatArray, Mesh
 from meshmark.ownership.carriers.lattice_label import Label
+from meshmark.ownership.fingerprint.parameters import LEAST_POINTS
 from meshmark.ownership.ownership_mark import OwnershipMark
+from meshmark.ownership.points.parameters import MOST_POINTS
 from meshmark.ownership.vertex_displacement import diagonal_of
 from meshmark.strengths import VISIBLE_SHARES
 
@@ -89,10 +91,19 @@ class EmbeddingTask:
         """The code word of the id."""
         return Codec(self.key).encode(self.identity)
 
+    @property
+    def may_have_fingerprint(self) -> bool:
+        """Whether the model has points enough for a fingerprint, and not too many, and an id of 64 bits."""
+        return self.bits == ID_BITS and LEAST_POINTS <= len(self.surface.points) <= MOST_POINTS
+
     @cached_property
     def typical_word(self) -> Bits:
-        """A word like that of any id, by which steps are judged: all copies of a model should have one step."""
-        return Codec(self.key).encode(PRESENCE)
+        """The word by which steps are judged.
+
+        Where copies have a fingerprint, by which they are told when they are combined, it is one of the key, so
+        that all have one step; else that of the id, which bears a little more noise then.
+        """
+        return Codec(self.key).encode(PRESENCE) if self.may_have_fingerprint else self.word
 
     @cached_property
     def planes(self) -> PlanePatches:

@@ -9,33 +9,26 @@ from __future__ import annotations
 from dataclasses import replace
 
 from meshmark.coding.codec import Codec
-from meshmark.coding.message import ID_BITS
 from meshmark.geometry.surface_of import surface_of_moved
 from meshmark.ownership.embedding_task import EmbeddingTask, Owned
 from meshmark.ownership.extraction import find
 from meshmark.ownership.fingerprint.parameters import (
     LARGEST_SHARE,
-    LEAST_POINTS,
     RESERVED,
     SEEN_MORE,
     choice_of,
 )
 from meshmark.ownership.fingerprint.roles import Said, fingerprint_lattice
 from meshmark.ownership.parts_read import part_surfaces, parts_at_points
-from meshmark.ownership.points.parameters import LARGEST, MOST_POINTS
+from meshmark.ownership.points.parameters import LARGEST
 from meshmark.ownership.points.point_shaping import PointShaping
 from meshmark.ownership.search.search import Search
 from meshmark.ownership.vertex_displacement import displacement_rms
 
-__all__ = ["leaving_room", "may_have_fingerprint", "with_fingerprint"]
+__all__ = ["leaving_room", "with_fingerprint"]
 
 # How much of the lock of the cells must be left.
 LEFT = 0.9
-
-
-def may_have_fingerprint(task: EmbeddingTask) -> bool:
-    """Return whether a model has points enough, and not too many, and an id of 64 bits to carry."""
-    return task.bits == ID_BITS and LEAST_POINTS <= len(task.surface.points) <= MOST_POINTS
 
 
 def leaving_room(task: EmbeddingTask) -> EmbeddingTask:
