@@ -51,6 +51,8 @@ class Examination:
     Where there is an id but no mark, ownership_only: the certificate says that there never was one; since: what is
     known of the model since it was written, by its certificate alone.
     remark: a sentence where the certificate is not this model's; nothing was taken from it then.
+    present: without marks, the layer of the id is there, whether an id is told or not; ids: those of several copies
+    that it tells, which were put together.
     """
 
     surface: Surface
@@ -64,6 +66,8 @@ class Examination:
     since: Since = Since.UNKNOWN
     rounded: str | None = None
     remark: str | None = None
+    present: bool = False
+    ids: tuple[int, ...] = ()
 
     @property
     def points_missing(self) -> int | None:
@@ -119,7 +123,9 @@ def examine(
     if isinstance(reference, Certificate):
         refuse_edited(reference, key)
     effort = "plain" if reference is None else "quick"
-    ask = cache(lambda: extract(mesh, key, reference=reference, search=effort, cut=made is None))
+    ask = cache(
+        lambda: extract(mesh, key, reference=reference, search=effort, cut=made is None, copies=made is None)
+    )
     found = _examined(mesh, marked_surface(mesh), key, reference, ask, made=made)
     if made is not None or isinstance(found.surface, Shown) or _intact(found):
         return found
@@ -198,6 +204,7 @@ def _examined(
         if (known.points_missing or 0) < 0:  # parts were added on which there are no marks to fail
             altered |= unmarked_parts(surface, checks.verified)
         return known
+    present = found.presence == "present"
     own = certificate if identity is not None and remark is None else None
     layers = None if own is None else own.more.get("layers")
     since = Since.UNKNOWN
@@ -209,11 +216,13 @@ def _examined(
     return replace(
         _unmarked(surface, checks),
         id=identity,
-        log10_false_positive=checks.log10_chance if identity is None else found.log10_false_positive,
+        log10_false_positive=found.log10_false_positive if present else checks.log10_chance,
         ownership_only=layers == "ownership",
         since=since,
         rounded=rounded,
         remark=remark,
+        present=present,
+        ids=found.ids if identity is None else (),
     )
 
 

@@ -27,6 +27,8 @@ def of_marks(verdict: str, found: Examination) -> str:
         return "Nothing was changed since it was marked."
     if found.id is not None and not found.marked:
         return _of_id(verdict, found)
+    if found.present and not found.marked:
+        return _of_no_id(found)
     if verdict == "inconclusive":
         return "There are too few marks to tell; a model of few points, or a small part of one."
     if verdict == "altered" and found.id is None:
@@ -37,6 +39,19 @@ def of_marks(verdict: str, found: Examination) -> str:
     if verdict == "altered" and found.points_missing:
         return of_number(found.points_missing, found.area_missing)
     return "No mark of this key was found: another key's, never marked, or changed everywhere."
+
+
+def _of_no_id(found: Examination) -> str:
+    """Return the sentence of a model with the owner's mark, but no single id and no mark of authentication."""
+    if found.ids:
+        return (
+            f"It carries the ids of {len(found.ids)} copies, which were put together, and no mark of "
+            "authentication: where it differs from either cannot be told."
+        )
+    return (
+        "It carries the owner's mark, but its id cannot be read, and no mark of authentication holds: it was "
+        "changed everywhere, or put together from several copies."
+    )
 
 
 def _of_id(verdict: str, found: Examination) -> str:

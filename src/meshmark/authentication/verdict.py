@@ -237,7 +237,8 @@ def _verdict(found: Examination) -> str:
         return "authentic" if whole and not found.altered.any() else "altered"
     if found.id is not None:
         return _SINCE[found.since]
-    return "inconclusive" if found.log10_false_positive <= DOUBTFUL_LOG10 else "not_marked"
+    doubtful = found.present or found.log10_false_positive <= DOUBTFUL_LOG10
+    return "inconclusive" if doubtful else "not_marked"
 
 
 def _certificate(found: Examination, reference: Certificate | Mesh | None) -> str | None:

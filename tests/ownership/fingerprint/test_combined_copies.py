@@ -11,7 +11,7 @@ import pytest
 from meshmark.coding.codec import Codec
 from meshmark.coding.keyed import rotation
 from meshmark.geometry.surface_of import surface_of
-from meshmark.marking import Embedding, embed, extract
+from meshmark.marking import Embedding, authenticate, embed, extract
 from meshmark.mesh import FloatArray, Mesh
 from meshmark.ownership.decoding import Found
 from meshmark.ownership.extraction import find_copies
@@ -93,6 +93,18 @@ def test_of_three_averaged_copies_those_that_are_listed_are_named_and_no_other()
     listed = (5, *IDS, 13)
     found = told(TOGETHER["average"](copies(3)), among=listed)
     assert found.ids == tuple(sorted(IDS))
+
+
+def test_authentication_says_that_copies_were_put_together():
+    one, two, three = copies(3)
+    averaged, summed = (
+        authenticate(Mesh(each, FACES), KEY) for each in ((one + two) / 2.0, one + two - three)
+    )
+    assert (averaged.verdict, averaged.id) == (summed.verdict, summed.id) == ("inconclusive", None)
+    assert "the ids of 2 copies, which were put together" in averaged.advice
+    assert "its id cannot be read" in summed.advice
+    assert max(averaged.log10_false_positive, summed.log10_false_positive) < -9.0
+    assert (averaged.altered.sum(), summed.altered.sum()) == (0, 0)
 
 
 @pytest.mark.parametrize("options", [{"key": OTHER}, {}], ids=["another key", "unmarked"])
