@@ -153,7 +153,8 @@ def _mended(base: Base, request: MarkRequest, chosen: Planned, *, wary: bool) ->
         try:
             return _bound_or_not(base, request, marks.written, wary=wary)
         except BrokenError as error:
-            again = marks.with_failing(error.passed).mended(base, request, error.unread)
+            known = marks.with_failing(error.broken.passed)
+            again = known.mended(base, request, error.broken.unread)
             if again is None:
                 raise
             marks = bearing(base, request, again)
@@ -199,7 +200,7 @@ def _read_back(base: Base, request: MarkRequest, written: Written, *, wary: bool
         raise UnreadError("the payload cannot be read back from the marked model")
     broken = broken_by(result, request.key, request.id, precision.bears, precision.error)
     if broken is not None:
-        raise BrokenError(broken.called, broken.unread, broken.passed)
+        raise BrokenError(broken)
     carriers = 0
     if base.has_id:
         if not at_once:

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
 from meshmark.errors import CapacityError
+from meshmark.marking.promises import Broken
 
 __all__ = ["BrokenError", "IdLostError", "UnplacedError", "UnreadError"]
 
@@ -23,11 +21,10 @@ class UnplacedError(UnreadError):
 
 
 class BrokenError(UnreadError):
-    """A rounding that the tolerance promises to bear leaves points without a mark.
+    """A rounding that the tolerance promises to bear leaves points without a mark, as `broken` says."""
 
-    unread: (p,) those points. passed: (p,) whose marks hold all the same.
-    """
-
-    def __init__(self, called: str, unread: NDArray[np.bool_], passed: NDArray[np.bool_]) -> None:
-        super().__init__(f"the marks of authentication would not survive {called}, as the tolerance promises")
-        self.unread, self.passed = unread, passed
+    def __init__(self, broken: Broken) -> None:
+        super().__init__(
+            f"the marks of authentication would not survive {broken.called}, as the tolerance promises"
+        )
+        self.broken = broken

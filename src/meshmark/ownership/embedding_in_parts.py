@@ -20,12 +20,13 @@ from meshmark.coding.keys import Key
 from meshmark.geometry.frame import Frame
 from meshmark.geometry.surface import Surface
 from meshmark.geometry.surface_of import surface_of_moved
-from meshmark.mesh import FloatArray, Mesh
+from meshmark.mesh import FloatArray
 from meshmark.ownership.assembly_parts import AssemblyPart, parts_held_apart
 from meshmark.ownership.carriers.lattice_label import Label
 from meshmark.ownership.decoding import Listed, decoded
 from meshmark.ownership.embedding_task import EmbeddingTask, Owned
 from meshmark.ownership.extraction import find
+from meshmark.ownership.mark_left import MarkLeft, points_of
 from meshmark.ownership.ownership_mark import noise_borne
 from meshmark.ownership.points.carried_coordinates import Carried
 from meshmark.ownership.points.parameters import DISTINCT_BITS, LARGEST, SHARES, STEPS
@@ -57,14 +58,12 @@ BEARS = -40.0
 # Code bits that a part has at least beyond those that an id takes.
 MORE_BITS = 12
 # How much of the lock of a mark at points of the whole the marks of the parts may cost by their steps, about, tried
-# in turn; and how much of any lock must be left in fact.
-COSTS, LEFT = (0.06, 0.02), 0.9
+# in turn.
+COSTS = (0.06, 0.02)
 # A motion along a carrying coordinate by a step as large as its own costs this times the lock.
 COST_OF_STEP = 5.0
 # Points that a part moved by less than this, over the diagonal, went along for the sake of its frame.
 STAYED = 2e-5
-# What parts may add to the visible share, over that which is allowed.
-SEEN_MORE = 0.1
 
 
 def with_parts_apart(task: EmbeddingTask, parts: Sequence[AssemblyPart]) -> EmbeddingTask:
@@ -90,46 +89,18 @@ def embed_in_parts(task: EmbeddingTask, owned: Owned, parts: Sequence[AssemblyPa
     parts : sequence of AssemblyPart
         Of the surface of the unmarked mesh.
     """
-    before = _lock(task, owned)
-    seen = task.seen.of(_points(task, owned.mesh)).share
+    left = MarkLeft(task, owned)
     for cost in COSTS if owned.mark.at_points else COSTS[:1]:
         made = _marked(task, owned, parts, cost)
-        if not made.mark.parts:
-            continue
-        more = task.seen.of(_points(task, made.mesh)).share
-        if (
-            _lock(task, made) >= LEFT * before
-            and more <= max(task.share, seen) + SEEN_MORE * task.share
-            and displacement_rms(task.mesh, made.mesh) <= task.budget
-            and (task.keeps_planes(made.mesh) or not task.keeps_planes(owned.mesh))
-        ):
-            moved = np.linalg.norm(_points(task, made.mesh) - _points(task, owned.mesh), axis=1)
+        if made.mark.parts and left.enough_in(made):
+            moved = np.linalg.norm(points_of(task, made.mesh) - points_of(task, owned.mesh), axis=1)
             return replace(made, held=moved > STAYED * task.diagonal)
     return owned
 
 
-def _points(task: EmbeddingTask, mesh: Mesh) -> FloatArray:
-    return mesh.vertices[task.surface.vertex_of_point]
-
-
-def _lock(task: EmbeddingTask, owned: Owned) -> float:
-    """Return the mean cosine of the phases of the mark of the whole, 0 where it is not read."""
-    search = Search(
-        surface=surface_of_moved(owned.mesh, task.mesh),
-        key=task.key,
-        effort="plain",
-        label=owned.mark.label,
-        spacings=() if owned.mark.at_points else (owned.mark.spacing,),
-    )
-    found = find(search)
-    if found.id != task.identity or found.reading is None:
-        return 0.0
-    return found.reading.score / float(found.reading.keys.weight.sum())
-
-
 def _marked(task: EmbeddingTask, owned: Owned, parts: Sequence[AssemblyPart], cost: float) -> Owned:
     """Return the mesh with the id in as many parts as carry it."""
-    points = _points(task, owned.mesh)
+    points = points_of(task, owned.mesh)
     taken, step = _taken(task, owned), owned.mark.step * owned.mark.spacing * task.surface.frame.scale
     carrying = []
     for number, part in enumerate(parts):
@@ -220,7 +191,7 @@ def _made(task: EmbeddingTask, points: FloatArray, part: AssemblyPart, limits: _
             continue
         whole = points.copy()
         whole[part.rows] = moved
-        surface = part.surface(_points(task, task.moved(whole)))
+        surface = part.surface(points_of(task, task.moved(whole)))
         if surface is not None:
             framed = _framed(_shaken(surface, task.diagonal), before.frame, lattice)
             told = decoded(codec, framed.reading(choice, 1.0), Listed(ids=(), words=codec.words(())))

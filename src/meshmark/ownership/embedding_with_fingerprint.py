@@ -11,24 +11,18 @@ from dataclasses import replace
 from meshmark.coding.codec import Codec
 from meshmark.geometry.surface_of import surface_of_moved
 from meshmark.ownership.embedding_task import EmbeddingTask, Owned
-from meshmark.ownership.extraction import find
 from meshmark.ownership.fingerprint.parameters import (
     LARGEST_SHARE,
     RESERVED,
-    SEEN_MORE,
     choice_of,
 )
 from meshmark.ownership.fingerprint.roles import Said, fingerprint_lattice
+from meshmark.ownership.mark_left import MarkLeft
 from meshmark.ownership.parts_read import part_surfaces, parts_at_points
 from meshmark.ownership.points.parameters import LARGEST
 from meshmark.ownership.points.point_shaping import PointShaping
-from meshmark.ownership.search.search import Search
-from meshmark.ownership.vertex_displacement import displacement_rms
 
 __all__ = ["leaving_room", "with_fingerprint"]
-
-# How much of the lock of the cells must be left.
-LEFT = 0.9
 
 
 def leaving_room(task: EmbeddingTask) -> EmbeddingTask:
@@ -63,33 +57,10 @@ def with_fingerprint(task: EmbeddingTask, owned: Owned) -> Owned:
     if points is None:
         return owned
     made = replace(owned, mesh=task.moved(points))
-    before = task.seen.of(surface.points).share
-    fits = (
-        displacement_rms(task.mesh, made.mesh) <= task.budget
-        and task.seen.of(points).share <= max(task.share, before) + SEEN_MORE * task.share
-        and (task.keeps_planes(made.mesh) or not task.keeps_planes(owned.mesh))
-        and _lock(task, made) >= LEFT * _lock(task, owned)
-        and _parts_are_read(task, made)
-    )
-    return made if fits else owned
+    return made if MarkLeft(task, owned).enough_in(made) and _parts_are_read(task, made) else owned
 
 
 def _parts_are_read(task: EmbeddingTask, made: Owned) -> bool:
     """Return whether the parts that carry the id by themselves still do."""
     parts = made.mark.parts
     return not parts or parts_at_points(part_surfaces(made.mesh), parts, task.key, task.identity) == parts
-
-
-def _lock(task: EmbeddingTask, owned: Owned) -> float:
-    """Return the mean cosine of the phases of the cells, 0 where the id is not read from them."""
-    search = Search(
-        surface=surface_of_moved(owned.mesh, task.mesh),
-        key=task.key,
-        effort="plain",
-        label=owned.mark.label,
-        spacings=(owned.mark.spacing,),
-    )
-    found = find(search)
-    if found.id != task.identity or found.reading is None:
-        return 0.0
-    return found.reading.score / float(found.reading.keys.weight.sum())

@@ -20,7 +20,6 @@ __all__ = [
     "NAMED",
     "PILOTS",
     "RESERVED",
-    "SEEN_MORE",
     "SHIFTS",
     "SURE_DEVIATIONS",
     "TURNED",
@@ -42,8 +41,6 @@ WITNESSES: Final = 0.25
 # RMS displacement that the cells leave to the fingerprint, over the budget; and of `LARGEST` the share.
 RESERVED: Final = 0.25
 LARGEST_SHARE: Final = 0.3
-# What it may add to the visible share, over that which is allowed.
-SEEN_MORE: Final = 0.1
 # Fewer pilots are not read. Places of each axis that are tried, to a step.
 FEWEST_PILOTS: Final = 60
 SHIFTS: Final = 16
