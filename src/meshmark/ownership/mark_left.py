@@ -16,21 +16,25 @@ __all__ = ["MarkLeft", "points_of"]
 
 # How much of the lock of the mark must be left.
 LEFT = 0.9
-# What may be added to the visible share, over that which is allowed.
+# What may be added to the visible share, over that which is allowed, where the caller does not say.
 SEEN_MORE = 0.1
 
 
 @dataclass(frozen=True, eq=False)
 class MarkLeft:
-    """The limits of what is added to `owned`, the mark of the task's model."""
+    """The limits of what is added to `owned`, the mark of the task's model.
+
+    seen_more: what may be added to the visible share, over that which is allowed.
+    """
 
     task: EmbeddingTask
     owned: Owned
+    seen_more: float = SEEN_MORE
 
     @cached_property
     def _seen(self) -> float:
         share = self.task.seen.of(points_of(self.task, self.owned.mesh)).share
-        return max(self.task.share, share) + SEEN_MORE * self.task.share
+        return max(self.task.share, share) + self.seen_more * self.task.share
 
     @cached_property
     def _lock(self) -> float:
