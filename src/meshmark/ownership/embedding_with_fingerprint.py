@@ -24,8 +24,8 @@ from meshmark.ownership.points.point_shaping import PointShaping
 
 __all__ = ["leaving_room", "with_fingerprint"]
 
-# What points that slide may add to the visible share, over that which is allowed. They add a fifteenth or take it away;
-# a copy that has no fingerprint leaves those untold that it is put together with.
+# What points that slide may add to the visible share, over that which is allowed. They add a fifteenth or take it
+# away; a copy that has no fingerprint leaves those untold that it is put together with.
 SEEN_MORE = 0.3
 
 
