@@ -52,10 +52,7 @@ def balanced(
     if not len(point):
         return motion
     turns = step * follow[point, :, axis]  # (n, 3), to one side; to the other the same backwards
-    moments = gradient.transpose(0, 2, 1)
-    levers = np.stack(
-        [sum(own.take(point) * turn for own, turn in zip(each, turns.T, strict=True)) for each in moments]
-    )
+    levers = np.stack([np.einsum("ni,ni->n", each[point], turns) for each in gradient])
     force = np.einsum("nij,nj->ni", cost[point], turns)
     levering = np.einsum("qn,qn->n", price @ levers, levers)
     own = np.einsum("ni,ni->n", force, turns) + levering

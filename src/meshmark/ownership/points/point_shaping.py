@@ -223,8 +223,9 @@ class PointShaping:
 class _Off:
     """How far q moments that are held are off.
 
-    gradient: (q, p, 3) change of each by the coordinates of the points that follow none. error: (q,). given:
-    (q, 3, p) how points give way to a unit of force along each gradient; system: (q, q) how the moments change then.
+    gradient: (q, p, 3) change of each by the coordinates of the points that follow none. error: (q,).
+    given: (q, 3, p) how points give way to a unit of force along each gradient; system: (q, q) how the moments
+    change then.
     """
 
     gradient: FloatArray
