@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -89,12 +90,12 @@ class _Lock:
     choice: Choice
     hypotheses: float
 
-    @property
+    @cached_property
     def pilots(self) -> NDArray[np.bool_]:
         """(p, 3) coordinates that are pilots."""
         return self.framed.carrying(self.choice) & are_pilots(self.framed.keys.draw)
 
-    @property
+    @cached_property
     def log10_chance(self) -> float:
         """Log10 of the chance of the pilots alone."""
         return self.framed.lock_chance(self.pilots, self.choice.step)
@@ -109,8 +110,8 @@ class _Lock:
 
         The least or largest coordinates of copies are shifted along each axis.
         """
-        carries = self.pilots
-        wave = np.where(carries, np.exp(1j * self.framed.phases(self.choice.step)), 0.0).sum(axis=0)
+        phases = np.where(self.pilots, self.framed.phases(self.choice.step), np.nan)
+        wave = np.array([np.exp(1j * each[~np.isnan(each)]).sum() for each in phases.T])
         turns = np.round(-np.angle(wave) / (2.0 * np.pi) * SHIFTS) / SHIFTS
         return self._corrected(np.append(turns * self.choice.step, np.zeros(4)), float(SHIFTS) ** 3)
 

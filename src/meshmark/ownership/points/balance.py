@@ -54,21 +54,22 @@ def balanced(
     turns = step * follow[point, :, axis]  # (n, 3), to one side; to the other the same backwards
     levers = np.stack([np.einsum("ni,ni->n", each[point], turns) for each in gradient])
     force = np.einsum("nij,nj->ni", cost[point], turns)
-    levering = np.einsum("qn,qn->n", price @ levers, levers)
+    levering = np.maximum(np.einsum("qn,qn->n", price @ levers, levers), 0.0)
     own = np.einsum("ni,ni->n", force, turns) + levering
     rise = 2.0 * np.einsum("ni,ni->n", force, motion[point])
     motion, error = motion.copy(), error.copy()
-    reach, rows = 0.0, np.zeros(0, np.int64)
+    reach, rows, some = 0.0, np.zeros(0, np.int64), levers[:, :0]
     for _ in range(MOST):
         wanted = price @ error
-        size = float(np.sqrt(max(error @ wanted, 0.0)))
+        size = max(float(error @ wanted), 0.0) ** 0.5
         if size > reach or not len(rows):
             # Others cost more than they save as long as the error is no larger: by Cauchy and Schwarz.
             reach = AHEAD * size
             rows = np.flatnonzero(own - np.abs(rise) < 2.0 * reach * np.sqrt(levering))
             if not len(rows):
                 break
-        change = rise[rows] + 2.0 * (wanted @ levers[:, rows])
+            some = levers[:, rows]
+        change = rise[rows] + 2.0 * (wanted @ some)
         saving = own[rows] - np.abs(change)
         place = int(np.argmin(saving))
         if saving[place] >= 0.0:

@@ -124,8 +124,8 @@ class Framed:
 
     def first(self, carries: NDArray[np.bool_], most: int) -> NDArray[np.bool_]:
         """Return (p, 3): of the coordinates that carry those with the lowest draws, at most this number."""
-        draw = np.sort(self.keys.draw[carries])
-        return carries if len(draw) <= most else np.asarray(carries & (self.keys.draw < draw[most]))
+        draw = self.keys.draw[carries]
+        return carries if len(draw) <= most else carries & (self.keys.draw < np.partition(draw, most)[most])
 
     def gradient(self, carries: NDArray[np.bool_]) -> FloatArray:
         """Return (n, 7): the change of the carrying coordinates for a small pose."""
