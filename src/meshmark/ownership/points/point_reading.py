@@ -167,7 +167,16 @@ class Framed:
     def best_share(self, choice: Choice) -> Choice:
         """Return the choice with the share that locks best, judged by all coordinates."""
         locks = [replace(choice, share=share) for share in SHARES]
-        return min(locks, key=lambda each: self.reading(each, 1.0).log10_chance)
+        carries = self.carrying(max(locks, key=lambda each: each.share))
+        draw, group = self.keys.draw[carries], self.group[carries]
+        wave = np.exp(2j * self.phases(choice.step)[carries])
+
+        def chance(lock: Choice) -> float:
+            kept = draw < lock.cut
+            real, square = _summed(wave[kept], group[kept])
+            return self._chance(float(real.sum()), square)
+
+        return min(locks, key=chance)
 
     def reading(self, choice: Choice, hypotheses: float) -> Reading:
         """Return what the points say under a choice."""

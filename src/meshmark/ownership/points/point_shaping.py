@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from meshmark.coding.keyed_code import LENGTH
-from meshmark.geometry.areas import area_vectors
+from meshmark.geometry.areas import area_vectors, face_areas
 from meshmark.geometry.joints import joints_of
 from meshmark.geometry.surface import Surface
 from meshmark.mesh import FloatArray, IntArray
@@ -73,7 +73,7 @@ class PointShaping:
         self._largest = largest * surface.diagonal / self._frame.scale
         moments = moments_apart(self._frame, budget * surface.diagonal / self._frame.scale)
         self._holds_area = holds_area
-        area = self._moments(self._points)[0][9:]
+        area = [np.log(face_areas(self._points, surface.faces).sum())] if holds_area else []
         self._goal = np.concatenate([np.zeros(3), moments, np.zeros(3), area])
         # Stretching the whole keeps planes plane; what it leaves of the moments, some points make up for.
         self._stretched = stretched(self._points, self._frame, moments)
