@@ -72,3 +72,14 @@ def test_a_shape_that_filtering_shrinks_to_nothing_is_no_frame():
         for shape in some(restoration.shapes):
             assert shape.framed_by is None
             assert np.abs(shapes.frame(shape).to_canonical(shape.points)).max() < 3.0
+
+
+def test_invariants_of_the_middle_lie_between_those_of_the_ends():
+    surface = noisy()
+    shapes = Shapes(surface)
+    pairs = [found for found in restorations(surface) if len(found.shapes) == 2]
+    for pair in some(pairs):
+        one, other = (shapes.invariants(shape) for shape in pair.shapes)
+        np.testing.assert_allclose(shapes.middle_invariants(pair), (one + other) / 2, rtol=1e-12)
+    alone = next(restorations(surface))
+    np.testing.assert_array_equal(shapes.middle_invariants(alone), shapes.invariants(alone.shapes[0]))

@@ -21,6 +21,8 @@ __all__ = [
     "CROP_EXPECTED",
     "CROP_FRAMES",
     "CROP_SPACINGS",
+    "DEAREST_LABEL",
+    "DEAREST_UNDONE",
     "DECODE_LOG10",
     "DIVERGED",
     "EMBED_SELECTION",
@@ -166,8 +168,11 @@ CROP_SPACINGS: Final = 2
 LARGE_STEPS: Final = 5
 # Number of spacings that are read in each frame that an original gives.
 ORIGINAL_SPACINGS: Final = 3
-# Number of labels of the lattice that are tried for each shape that a suspect may have had (decision 0020).
-LABELS: Final = {"plain": 2, "quick": 2, "wide": 4}
+# Most labels of the lattice that are tried for each shape that a suspect may have had, and the highest price of any
+# but the first: of a shape as it stands, and of one from which smoothing was taken back (decision 0020).
+LABELS: Final = {"plain": 2, "quick": 6, "wide": 8}
+DEAREST_LABEL: Final = 0.01
+DEAREST_UNDONE: Final = 0.02
 # Number of turns of a frame that a quick search goes through.
 LOCK_TURNS: Final = 2
 # An axis more skew than this is not turned round by an attack.

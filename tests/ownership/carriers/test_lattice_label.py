@@ -48,6 +48,15 @@ def test_labels_are_different_and_a_longer_list_only_adds():
         assert labels(at(0.3, 0.1, 0.9), KEY, most, PLAIN) == whole[:most]
 
 
+def test_labels_beyond_the_dearest_price_are_left_out_but_for_the_first():
+    middle = np.array([edge(i) - 0.5 for i in range(3)])
+    here = at(*(middle + np.array((0.4, -0.3, 0.0))))  # prices: 0, .01, .04, .05, and more
+    whole = labels(here, KEY, 8, PLAIN)
+    for dearest, count in ((0.0, 1), (0.0099, 1), (0.0101, 2), (0.0401, 3), (0.0501, 4)):
+        assert labels(here, KEY, 8, PLAIN, dearest=dearest) == whole[:count]
+    assert labels(here, KEY, 2, PLAIN, dearest=0.0501) == whole[:2]
+
+
 def test_a_bin_is_one_wide_and_every_key_has_edges_of_its_own():
     assert 0 < edge(0) <= 1
     step = edge(0)

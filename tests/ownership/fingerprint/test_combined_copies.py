@@ -13,6 +13,7 @@ from meshmark.coding.keyed import rotation
 from meshmark.geometry.surface_of import surface_of
 from meshmark.marking import Embedding, authenticate, embed, extract
 from meshmark.mesh import FloatArray, Mesh
+from meshmark.ownership.carriers.lattice_label import Label
 from meshmark.ownership.decoding import Found
 from meshmark.ownership.extraction import find_copies
 from meshmark.ownership.fingerprint.combined_copies import copies_of
@@ -93,6 +94,27 @@ def test_of_three_averaged_copies_those_that_are_listed_are_named_and_no_other()
     listed = (5, *IDS, 13)
     found = told(TOGETHER["average"](copies(3)), among=listed)
     assert found.ids == tuple(sorted(IDS))
+
+
+@pytest.mark.parametrize("name", TOGETHER)
+def test_of_three_copies_put_together_those_that_are_listed_are_named_and_no_other(name):
+    listed = (*range(100, 1000), *IDS)
+    found = told(TOGETHER[name](copies(3)), among=listed)
+    assert found.ids == tuple(sorted(IDS))
+    assert max(found.log10_words) < -6.0
+
+
+def test_a_frame_that_is_turned_by_milliradians_is_found():
+    """A small piece was put beside the model: no point of the copy moved, but its frame did."""
+    vertices = marked(ID).mesh.vertices
+    piece = 0.45 * POINTS[FACES[::600].ravel()] + [1.0, 1.5, 0.6]
+    added = len(vertices) + np.arange(len(piece)).reshape(-1, 3)
+    surface = surface_of(Mesh(np.vstack([vertices, piece]), np.vstack([FACES, added])))
+    turned = surface.frame.axes @ surface_of(Mesh(vertices, FACES)).frame.axes.T
+    assert 1.5e-3 < np.abs(turned - np.eye(3)).max() < 5e-3
+    label = Label.of_shape(surface_of(Mesh(POINTS, FACES)).invariants, KEY)
+    assert copies_of(Search(surface=surface, key=KEY, label=label)).ids == (ID,)
+    assert copies_of(Search(surface=surface, key=OTHER, label=label)) is None
 
 
 def test_authentication_says_that_copies_were_put_together():

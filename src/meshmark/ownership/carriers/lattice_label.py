@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from functools import cache
 from hashlib import blake2b
 from importlib import resources
+from math import inf
 from typing import Any, Final
 
 import numpy as np
@@ -89,7 +90,12 @@ class LabelMap:
 
 
 def labels(
-    invariants: FloatArray, key: Key, most: int = 4, label_map: LabelMap | None = None
+    invariants: FloatArray,
+    key: Key,
+    most: int = 4,
+    label_map: LabelMap | None = None,
+    *,
+    dearest: float = inf,
 ) -> tuple[Label, ...]:
     """Return the labels that a shape most likely had before it was damaged, likeliest first.
 
@@ -107,11 +113,13 @@ def labels(
         How many labels, at least 1; there are no more than 2^c.
     label_map : LabelMap, optional
         The shipped one by default.
+    dearest : float
+        The highest price, in squared widths of a bin, of a label but the first.
 
     Returns
     -------
     tuple of Label
-        At most `most` different labels.
+        At most `most` different labels, at least one.
 
     Raises
     ------
@@ -131,7 +139,9 @@ def labels(
     beyond = np.where(within < 0.5, -1.0, 1.0)
     price = np.minimum(within, 1.0 - within) ** 2
     changed = (np.arange(2**count)[:, None] >> np.arange(count)[::-1]) & 1
-    order = np.argsort(changed @ price, kind="stable")[:most]
+    prices = changed @ price
+    order = np.argsort(prices, kind="stable")[:most]
+    order = order[prices[order] <= max(dearest, 0.0)]
     return tuple(
         Label.of_bins(key, (bins + row * beyond).astype(np.int64)) for row in changed[order].astype(float)
     )

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from math import log10
+from math import log2, log10
 
 import numpy as np
 
 from meshmark.coding.codec import Codec
-from meshmark.coding.keyed_code import LENGTH
+from meshmark.coding.keyed_code import LENGTH, log10_chance
 from meshmark.coding.message import ID_BITS, bits_of
 from meshmark.coding.polar import Bits
 from meshmark.mesh import FloatArray, IntArray
@@ -58,8 +58,10 @@ _DIFFERING: tuple[Callable[[_Noise, FloatArray], FloatArray], ...] = (
 )
 
 
-# Words that are looked for in one reading, and a list.
-_COMPARED = 3.0 + 2.0 * len(_DIFFERING)
+# Words that are looked for in one reading, and a list, twice.
+_COMPARED = 4.0 + 2.0 * len(_DIFFERING)
+# Of a list the words that agree best are compared by witnesses as well.
+_LIKELIEST = 64
 
 
 def copies_told(codec: Codec, reading: FingerprintReading, listed: Listed) -> Told | None:
@@ -89,7 +91,8 @@ class _Seen:
     """What the coordinates show of each code bit (LENGTH,), 0 where none has it.
 
     zero, one: log-likelihoods of the bits, over those of any phase; differ: for each of `_DIFFERING` that the bits
-    differ; soft: sum of cosines, which averages of many copies are judged by; witness: ratio of those of witnesses.
+    differ; soft: sum of cosines, which averages of many copies are judged by; witness: ratio of the likelihoods of
+    witnesses; soft_witness: sum of their cosines.
     more: standard deviations by which witnesses stand out, over those of the others.
     """
 
@@ -97,6 +100,7 @@ class _Seen:
     one: FloatArray
     differ: tuple[FloatArray, ...]
     soft: FloatArray
+    soft_witness: FloatArray
     witness: FloatArray
     more: float
 
@@ -111,6 +115,7 @@ class _Seen:
             one=_summed(index, noise.log_density(phase, np.pi)),
             differ=tuple(_summed(index, differing(noise, phase)) for differing in _DIFFERING),
             soft=_summed(index, np.cos(phase)),
+            soft_witness=_summed(other, np.cos(said)),
             witness=_summed(other, noise.log_density(said, 0.0) - noise.log_density(said, np.pi)),
             more=float(np.sqrt(len(said) / max(len(phase), 1))),
         )
@@ -143,15 +148,26 @@ def _words(codec: Codec, seen: _Seen) -> dict[int, float]:
 
 
 def _listed_words(codec: Codec, seen: _Seen, listed: Listed) -> dict[int, float]:
-    """Return those of the listed ids that stand out, with log10 of their chances."""
+    """Return those of the listed ids that stand out, with log10 of their chances.
+
+    Of a listed id the witnesses are known as well as the word. Cosines tell most of averages and medians of many
+    copies, likelihoods of the least and largest coordinates, of which those are clear on which all copies agree.
+    """
+    found: dict[int, float] = {}
     if not listed.ids:
-        return {}
-    chances = codec.chances(seen.soft, listed.words)
-    return {
-        listed.ids[row]: float(chances[row])
-        for row in np.flatnonzero(chances <= PROVEN_LOG10)
-        if bits_of(listed.ids[row]) == ID_BITS
-    }
+        return found
+    for word, witness in ((seen.llr, seen.witness), (seen.soft, seen.soft_witness)):
+        likeliest = np.argsort(-listed.words.agreement(word), kind="stable")[:_LIKELIEST]
+        both = np.append(word, witness)
+        for row in likeliest:
+            each = listed.ids[row]
+            if bits_of(each) != ID_BITS:
+                continue
+            agreement = both @ (1.0 - 2.0 * np.append(codec.encode(each), codec.witness(each)))
+            chance = log10_chance(both, float(agreement), log2(len(listed.ids)))
+            if chance <= PROVEN_LOG10:
+                found[each] = min(chance, found.get(each, 0.0))
+    return found
 
 
 def _summed(index: IntArray, values: FloatArray) -> FloatArray:

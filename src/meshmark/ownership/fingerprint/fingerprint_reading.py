@@ -15,14 +15,18 @@ from meshmark.ownership.carriers.lattice import CellKeys
 from meshmark.ownership.carriers.lock import LockSearch
 from meshmark.ownership.carriers.quantisation import lock_score
 from meshmark.ownership.carriers.reading import Reading
+from meshmark.ownership.fingerprint.coherence import coherence
 from meshmark.ownership.fingerprint.parameters import (
     CHOICES,
-    EXPECTED,
+    CLEAR,
+    COHERENT,
+    FAR,
     FEWEST_PILOTS,
     LEAST_POINTS,
     LOCKED,
+    NEAR,
     SHIFTS,
-    TURNED,
+    Reach,
 )
 from meshmark.ownership.fingerprint.roles import are_pilots, are_witnesses, fingerprint_lattice
 from meshmark.ownership.parameters import SURELY_SKEW
@@ -36,10 +40,6 @@ __all__ = ["FingerprintReading", "read_fingerprint"]
 
 # An edited copy may have a few points less than an embedding asks for.
 FEWER = 0.9
-# Reach of the search for a correction, in standard deviations, and places in it. Peaks that are polished, and
-# pilots that they are judged by, at first and then.
-REACH, PLACES = 2.5, 300_000
-ROUNDS = ((6, 500), (1, 2000))
 # Locks that are polished, if they are less likely by chance than 10^this: one that is off may be hardly so.
 POLISHED, PROMISING = 3, -4.0
 
@@ -60,8 +60,8 @@ def read_fingerprint(search: Search) -> FingerprintReading | None:
     surface = search.surface
     if not FEWER * LEAST_POINTS <= len(surface.points) <= MOST_POINTS:
         return None
-    promising = (lock for lock in _locks(search) if lock.log10_chance <= PROMISING)
-    likely = sorted(promising, key=lambda lock: lock.log10_chance)[:POLISHED]
+    promising = [lock for lock in _locks(search) if lock.is_coherent or lock.log10_chance <= PROMISING]
+    likely = sorted(promising, key=lambda lock: (not lock.is_coherent, lock.log10_chance))[:POLISHED]
     polished = (replace(each, hypotheses=POLISHED * each.hypotheses).polished() for each in likely)
     best = min(polished, key=lambda lock: lock.log10_bound, default=None)
     return None if best is None or best.log10_bound > LOCKED else best.reading()
@@ -96,6 +96,19 @@ class _Lock:
         return self.framed.carrying(self.choice) & are_pilots(self.framed.keys.draw)
 
     @cached_property
+    def is_coherent(self) -> bool:
+        """Whether pilots agree place by place, though the frame may be turned so that they do not lock."""
+        point, axis = np.nonzero(self.pilots)
+        framed = self.framed
+        phase = framed.phases(self.choice.step)[point, axis]
+        return coherence(framed.points[point], axis, phase, framed.group[point, axis]) >= COHERENT
+
+    @property
+    def is_clear(self) -> bool:
+        """Whether the pilots lie so near to where they should that no other frame fits better."""
+        return float(np.cos(self.framed.phases(self.choice.step)[self.pilots]).mean()) >= CLEAR
+
+    @cached_property
     def log10_chance(self) -> float:
         """Log10 of the chance of the pilots alone."""
         return self.framed.lock_chance(self.pilots, self.choice.step)
@@ -116,25 +129,33 @@ class _Lock:
         return self._corrected(np.append(turns * self.choice.step, np.zeros(4)), float(SHIFTS) ** 3)
 
     def polished(self) -> _Lock:
-        """Return the best lock near this one."""
+        """Return the best lock near this one, or in a frame that is turned further where none near it is clear."""
+        best = self._polished()
+        if best.is_clear or not self.is_coherent:
+            return best
+        both = replace(self, hypotheses=2.0 * self.hypotheses)
+        turned = min(both._near(FAR), key=lambda lock: lock.log10_bound)
+        return min(best, turned._polished(), key=lambda lock: lock.log10_bound)
+
+    def _polished(self) -> _Lock:
         best = self
-        for peaks, judges in ROUNDS:
-            best = min(best.near(peaks, judges), key=lambda lock: lock.log10_bound)
+        for reach in NEAR:
+            best = min(best._near(reach), key=lambda lock: lock.log10_bound)
         return best
 
-    def near(self, peaks: int, judges: int) -> list[_Lock]:
-        """Return this lock, and those after the best corrections, judged by so many pilots."""
+    def _near(self, reach: Reach) -> list[_Lock]:
+        """Return this lock, and those after the best corrections within reach."""
         framed, step = self.framed, self.choice.step
-        pilots = framed.first(self.pilots, judges)
+        pilots = framed.first(self.pilots, reach.judges)
         search = LockSearch(
             framed.phases(step)[pilots],
             (2.0 * np.pi / step) * framed.gradient(pilots),
-            np.append(EXPECTED * step, [TURNED] * 3),
-            REACH,
-            PLACES,
+            np.append(reach.expected * step, [reach.turned] * 3),
+            reach.deviations,
+            reach.places,
             weight=np.ones(int(pilots.sum())),
         )
-        found = search.polished(search.rough(peaks))
+        found = search.polished(search.rough(reach.peaks))
         return [self, *(self._corrected(each.correction, search.tried) for each in found)]
 
     def _corrected(self, correction: FloatArray, tried: float) -> _Lock:

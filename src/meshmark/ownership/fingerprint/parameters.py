@@ -2,28 +2,33 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
+from meshmark.mesh import FloatArray
 from meshmark.ownership.points.parameters import STEPS
 from meshmark.ownership.points.point_choice import Choice
 
 __all__ = [
     "CHOICES",
+    "CLEAR",
+    "COHERENT",
     "CONTRADICTED",
-    "EXPECTED",
+    "FAR",
     "FEWEST_PILOTS",
     "LARGEST_SHARE",
     "LEAST_POINTS",
     "LOCKED",
     "NAMED",
+    "NEAR",
     "PILOTS",
     "RESERVED",
     "SHIFTS",
     "SURE_DEVIATIONS",
-    "TURNED",
     "WITNESSES",
+    "Reach",
     "choice_of",
 ]
 
@@ -48,10 +53,48 @@ SHIFTS: Final = 16
 # that are looked for.
 LOCKED: Final = -9.0
 NAMED: Final = -9.0
-# What is left to find of shift and logarithm of scale, in steps, and of the turn, in radians (standard deviations):
-# the least or largest coordinates of copies have another shape.
-EXPECTED: Final = np.array([0.15, 0.15, 0.15, 0.5])
-TURNED: Final = 1e-3
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Reach:
+    """Where a lock is looked for.
+
+    expected: (4,) standard deviations of what is left to find of shift and logarithm of scale, in steps; turned: of
+    the turn, in radians; deviations: how many of these are searched; places: of the grid, at most. peaks: that are
+    polished; judges: pilots that they are judged by.
+    """
+
+    expected: FloatArray
+    turned: float
+    deviations: float
+    places: int
+    peaks: int
+    judges: int
+
+
+# At first, and then: the least or largest coordinates of copies have another shape.
+_NEARBY: Final = Reach(
+    expected=np.array([0.15, 0.15, 0.15, 0.5]),
+    turned=1e-3,
+    deviations=2.5,
+    places=300_000,
+    peaks=6,
+    judges=500,
+)
+NEAR: Final = (_NEARBY, replace(_NEARBY, peaks=1, judges=2000))
+# Of three and five copies they are turned by up to 4 milliradians. It is tried where pilots agree place by place by
+# this number of standard deviations of chance (16 wrong locks had 3.1 at most, those of copies 5.5 to 32), and none
+# lock nearby with a mean cosine as high as this, which one copy has, and the average of two.
+FAR: Final = Reach(
+    expected=np.array([0.3, 0.3, 0.3, 0.5]),
+    turned=4e-3,
+    deviations=2.0,
+    places=2_000_000,
+    peaks=6,
+    judges=800,
+)
+COHERENT: Final = 3.5
+CLEAR: Final = 0.6
 # Witnesses are asked where they should stand out by this number of standard deviations of chance; an id of which
 # they say less than this share of it is not that of a copy.
 SURE_DEVIATIONS: Final = 6.0

@@ -34,7 +34,7 @@ def restored_readings(search: Search) -> Iterator[Reading]:
 def hypotheses(search: Search, shapes: Shapes, restoration: Restoration) -> Iterator[Hypothesis]:
     """Yield the spacings and turns of a restoration in its own frame."""
     frame = shapes.frame(restoration.shapes[0])
-    labels = search.labels(shapes.invariants(restoration.shapes[0]))
+    labels = search.labels(shapes.middle_invariants(restoration), undone=len(restoration.shapes) == 2)
     known = search.spacings
     for spacing in _rich_spacings(search, shapes, restoration, labels[0]) if known is None else known:
         turns = frame_alternatives(frame, search.wide, SURELY_SKEW)

@@ -12,7 +12,14 @@ from meshmark.geometry.surface import Surface
 from meshmark.mesh import FloatArray, Mesh
 from meshmark.ownership.carriers.lattice import Lattice
 from meshmark.ownership.carriers.lattice_label import Label, labels
-from meshmark.ownership.parameters import LABELS, LONG_EDGES, LONGEST_EDGES, preferred_spacings
+from meshmark.ownership.parameters import (
+    DEAREST_LABEL,
+    DEAREST_UNDONE,
+    LABELS,
+    LONG_EDGES,
+    LONGEST_EDGES,
+    preferred_spacings,
+)
 from meshmark.ownership.points.parameters import MOST_POINTS
 from meshmark.ownership.search.trials import TrialCounter
 
@@ -81,9 +88,15 @@ class Search:
     def _lattices(self) -> dict[tuple[float, Label], Lattice]:
         return {}
 
-    def labels(self, invariants: FloatArray) -> tuple[Label, ...]:
-        """Return the labels of the lattices that a shape of these invariants may carry, likeliest first."""
-        return labels(invariants, self.key, LABELS[self.effort]) if self.label is None else (self.label,)
+    def labels(self, invariants: FloatArray, *, undone: bool = False) -> tuple[Label, ...]:
+        """Return the labels of the lattices that a shape of these invariants may carry, likeliest first.
+
+        undone: smoothing was taken back, not quite as much as there was.
+        """
+        if self.label is not None:
+            return (self.label,)
+        dearest = DEAREST_UNDONE if undone else DEAREST_LABEL
+        return labels(invariants, self.key, LABELS[self.effort], dearest=dearest)
 
     def lattice(self, spacing: float, label: Label) -> Lattice:
         """Return the key's lattice of this spacing and label, one for the whole search."""

@@ -81,6 +81,13 @@ class Shapes:
             self._invariants[shape] = shape_invariants(shape.points, self._faces, self.frame(shape))
         return self._invariants[shape]
 
+    def middle_invariants(self, restoration: Restoration) -> FloatArray:
+        """Return about the invariants of a restoration in the middle of what is expected."""
+        first = self.invariants(restoration.shapes[0])
+        ways = zip(restoration.middle, restoration.shapes[1:], strict=True)
+        changes = [share * (self.invariants(other) - first) for share, other in ways if share]
+        return np.asarray(first + np.sum(changes, axis=0)) if changes else first
+
     def samples(self, shape: Shape, spacing: float) -> Samples:
         """Return the canonical samples of a shape."""
         known = self._samples.setdefault(shape, {})

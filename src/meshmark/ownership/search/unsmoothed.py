@@ -85,7 +85,8 @@ def unsmoothed_readings(search: Search) -> Iterator[Reading]:
     """Yield each reading whose lock is credible, of all that may have been done; none of a fine mesh."""
     if not search.is_coarse:
         return
-    shapes, tried = Shapes(search.surface), TRIED * TURNS[search.wide] * LABELS[search.effort]
+    shapes, labels = Shapes(search.surface), LABELS[search.effort] if search.wide else 1
+    tried = TRIED * TURNS[search.wide] * labels
     for points in _before(search.surface):
         for guess in _guesses(search, shapes, points):
             if guess.log10_chance + np.log10(tried) < CREDIBLE_LOG10:
