@@ -78,7 +78,7 @@ def test_a_search_for_words_that_contradict_little_has_them_or_ends_early() -> N
     decoder = ListDecoder(code)
     rng = np.random.default_rng(6)
     early = 0
-    for noise in np.tile([0.6, 1.0, 3.0], 40):
+    for noise in some(np.tile([0.6, 1.0, 3.0], 40)):
         llr = 1.0 - 2.0 * code.encode(int(rng.integers(2**63))) + rng.normal(0.0, noise, 256)
         whole = decoder.decode(llr, 8)
         contradicted = np.where((1.0 - 2.0 * whole.words) * llr < 0.0, np.abs(llr), 0.0).sum(axis=1).min()

@@ -48,7 +48,7 @@ class _Leaf:
     choices: FloatArray
 
 
-@dataclass(eq=False)
+@dataclass(eq=False, kw_only=True)
 class _Paths:
     """The decisions kept so far: id bits (p,) and penalty (p,); most: the largest that is of interest."""
 
@@ -75,7 +75,7 @@ class ListDecoder:
         most: the sum of those that a word of interest contradicts, at most; where there is no such word, there may
         be none at all.
         """
-        state = _Paths(np.zeros(1, dtype=np.uint64), np.zeros(1), most)
+        state = _Paths(ids=np.zeros(1, dtype=np.uint64), penalty=np.zeros(1), most=most)
         try:
             words, _ = self._walk(state, 0, np.asarray(llr, dtype=np.float64)[None], paths)
         except _NoneLeftError:
