@@ -13,6 +13,7 @@ import numpy as np
 
 from claims.security.options import KEY, Options
 from meshmark.coding.keyed_code import LENGTH
+from meshmark.coding.known_words import KnownWords
 from meshmark.errors import MeshmarkError
 from meshmark.geometry.sampling import plan_samples
 from meshmark.geometry.surface_of import surface_of
@@ -108,7 +109,7 @@ def learnt(donor: Donor, turns: FloatArray | None = None) -> Learnt:
         label=lattice.label,
         axes=lattice.axes,
         shift=lattice.shift,
-        _cells=b"",
+        _words=KnownWords(b"", 3),
         turns=dict(zip(map(tuple, cells.nodes.tolist()), np.mod(seen, 1.0).tolist(), strict=True)),
     )
 

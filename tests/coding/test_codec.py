@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from meshmark.coding.codec import CHECK_WORD_LIMIT, Codec
-from meshmark.coding.keyed_code import log10_chance
+from meshmark.coding.keyed_code import least_agreement, log10_chance
 from meshmark.coding.keys import Key
 from meshmark.coding.message import PRESENCE, short_id
 from meshmark.errors import InputError
@@ -263,3 +263,38 @@ def test_a_witness_is_the_ids_own_and_the_keys():
     assert np.array_equal(bits, Codec(KEY).witness(9))
     for other in (CODEC.witness(7), OTHER.witness(9), CODEC.encode(9)):
         assert 0.45 < (other == bits).mean() < 0.55
+
+
+@pytest.mark.parametrize("soft", [False, True])
+def test_below_a_limit_the_same_id_is_told_or_none(soft: bool) -> None:
+    """From clean observations to noise: whatever passes is told in full, whatever does not is not told."""
+    rng = np.random.default_rng(12)
+    told = []
+    for error in some(np.tile(np.linspace(0.05, 0.5, 16), 12)):
+        llr = observe(int(rng.integers(2**63)), 260, float(error), rng)
+        llr = llr * rng.gamma(2.0, 1.0, CODEC.n) if soft else llr
+        for limit in (-7.0, CHECK_WORD_LIMIT, -14.0):
+            whole, below = CODEC.decode(llr, limit), CODEC.decode_below(llr, limit)
+            told.append(whole.id is not None)
+            expected = (whole.id, whole.log10_chance, whole.bits.tobytes()) if told[-1] else None
+            found = None if below is None else (below.id, below.log10_chance, below.bits.tobytes())
+            assert found == expected
+    assert 0.15 < np.mean(told) < 0.85
+
+
+def test_a_limit_that_no_agreement_reaches_is_never_passed() -> None:
+    few = np.zeros(CODEC.n)
+    few[:80] = 1.0
+    assert least_agreement(few, -7.0) == np.inf
+    assert CODEC.decode_below(few, -7.0) is None
+    assert CODEC.decode_below(np.zeros(CODEC.n), -7.0) is None
+
+
+@pytest.mark.parametrize("limit", [-7.0, CHECK_WORD_LIMIT, -30.0])
+def test_the_least_agreement_is_just_short_of_the_limit(limit: float) -> None:
+    rng = np.random.default_rng(5)
+    for count in (200, 400, 2000):
+        llr = rng.normal(size=count) + 0.3
+        least = least_agreement(llr, limit)
+        assert log10_chance(llr, least) > limit
+        assert log10_chance(llr, 1.01 * least) < limit

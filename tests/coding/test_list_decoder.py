@@ -71,3 +71,21 @@ def test_the_published_frame_error_rate_is_reached(decibel: float, limit: float)
         ids, words = decoder.decode(llr, 8)
         wrong += int(ids[np.argmax((1.0 - 2.0 * words) @ llr)]) != identity
     assert wrong / 400 < limit
+
+
+def test_a_search_for_words_that_contradict_little_has_them_or_ends_early() -> None:
+    code = polar_code(256, 64, 8, SUBKEY)
+    decoder = ListDecoder(code)
+    rng = np.random.default_rng(6)
+    early = 0
+    for noise in some(np.tile([0.6, 1.0, 3.0], 40)):
+        llr = 1.0 - 2.0 * code.encode(int(rng.integers(2**63))) + rng.normal(0.0, noise, 256)
+        whole = decoder.decode(llr, 8)
+        contradicted = np.where((1.0 - 2.0 * whole.words) * llr < 0.0, np.abs(llr), 0.0).sum(axis=1).min()
+        enough = decoder.decode(llr, 8, most=contradicted * (1.0 + 1e-9))
+        assert np.array_equal(enough.ids, whole.ids)
+        assert np.array_equal(enough.words, whole.words)
+        less = decoder.decode(llr, 8, most=0.5 * contradicted)
+        assert len(less.ids) in (0, len(whole.ids))
+        early += not len(less.ids)
+    assert early > 100

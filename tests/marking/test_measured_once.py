@@ -10,20 +10,26 @@ from importlib import import_module
 from pathlib import Path
 from unittest.mock import patch
 
+import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 import meshmark
 from meshmark.authentication.checks.checks import check, shapes_of
+from meshmark.authentication.checks.setting_search import likeliest_setting
+from meshmark.authentication.checks.sweep import sweep
 from meshmark.authentication.examination import examine
 from meshmark.authentication.marks.mending import mended
 from meshmark.authentication.marks.plan import plan
 from meshmark.authentication.marks.ring_shapes import ring_shapes
 from meshmark.authentication.marks.rings import ordered_rings
+from meshmark.coding import known_words
+from meshmark.coding.keyed import cell_words
 from meshmark.geometry.frame import canonical_frame
 from meshmark.geometry.weld import weld
 from meshmark.io import read_mesh, write_mesh
-from meshmark.marking import embed, embed_file
-from meshmark.mesh import Mesh
+from meshmark.marking import embed, embed_file, extract
+from meshmark.mesh import IntArray, Mesh
 from meshmark.recovery.mesh_coder import encode_mesh
 from meshmark.recovery.miniature import miniature
 from tests.imports import import_graph
@@ -43,6 +49,8 @@ COUNTED = (
     encode_mesh,
     plan,
     mended,
+    likeliest_setting,
+    sweep,
 )
 
 
@@ -111,6 +119,28 @@ def test_both_layers_plan_once_and_code_one_miniature_and_each_surface_that_is_r
     assert calls["mended"] <= 2
     assert calls["shapes_of"] == calls["examine"] <= 3 * (1 + calls["mended"])
     assert calls["check"] <= 2 * calls["examine"]
+
+
+def test_an_id_alone_reads_the_rings_of_a_sample_only_for_marks_of_authentication():
+    with counted() as calls:
+        assert embed(Mesh(*pebble(50)), KEY, id=ID, layers="ownership").authentication is None
+    assert 1 <= calls["likeliest_setting"] <= 2  # with the id that marks report, and with this one
+    assert calls["check"] == calls["sweep"] == 0
+
+
+def test_a_search_makes_each_lattice_once_and_hashes_each_of_its_places_once():
+    hashed: list[bytes] = []
+
+    def counting(subkey: bytes, coordinates: IntArray, words: int) -> NDArray[np.uint64]:
+        hashed.extend(subkey + each.tobytes() for each in coordinates.astype(np.int64))
+        return cell_words(subkey, coordinates, words)
+
+    with patch.object(known_words, "cell_words", counting):
+        found = extract(Mesh(*pebble(30)), KEY, search="quick")
+    assert found.presence == "absent"
+    assert len(hashed) > 1000
+    # Each strategy at points has lattices of its own.
+    assert len(hashed) < 1.5 * len(set(hashed))
 
 
 def test_a_certificate_measures_nothing_again():

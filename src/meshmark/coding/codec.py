@@ -105,6 +105,16 @@ class Codec:
         _check(llr)
         return _decoded(self._long, llr, log10_limit)
 
+    def decode_below(self, llr: FloatArray, log10_limit: float) -> Decoded | None:
+        """Return what `decode` does where an id passes the limit, else None, which is found out much sooner.
+
+        llr: (n,) as `decode` takes it, raising `InputError` as it does.
+        """
+        _check(llr)
+        code = self._long
+        found = code.likeliest_below(code.unmasked(llr), log10_limit)
+        return None if found is None else _told(code, found, log10_limit)
+
     def decode_short(self, llr: FloatArray, log10_limit: float = CHECK_WORD_LIMIT) -> Decoded:
         """Return the id of 32 bits behind the observations, as `decode` does that of 64."""
         _check(llr)
@@ -192,7 +202,11 @@ def _serial(identity: int) -> int:
 
 
 def _decoded(code: KeyedCode, llr: FloatArray, log10_limit: float) -> Decoded:
-    word, image, tested, chance = code.likeliest(code.unmasked(llr))
+    return _told(code, code.likeliest(code.unmasked(llr)), log10_limit)
+
+
+def _told(code: KeyedCode, found: tuple[Bits, int, int, float], log10_limit: float) -> Decoded:
+    word, image, tested, chance = found
     guess = code.number(image)
     return Decoded(
         id=guess if chance <= log10_limit else None,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import log
+from math import inf, log
 from typing import Final
 
 import numpy as np
@@ -13,11 +13,11 @@ from meshmark.coding.keys import Key
 from meshmark.coding.list_decoder import ListDecoder
 from meshmark.coding.message import ID_BITS
 from meshmark.coding.permutation import IdPermutation
-from meshmark.coding.polar import Bits, polar_code
+from meshmark.coding.polar import Bits, Sets, polar_code
 from meshmark.coding.word_list import WordList, word_list
 from meshmark.mesh import FloatArray
 
-__all__ = ["CHECKS", "LENGTH", "PATHS", "KeyedCode", "log10_chance"]
+__all__ = ["CHECKS", "LENGTH", "PATHS", "KeyedCode", "least_agreement", "log10_chance"]
 
 # Chosen by measurement, docs/decisions/0004-code.md.
 LENGTH: Final = 4096
@@ -27,6 +27,8 @@ PATHS = 64
 _NEWTON_STEPS = 20
 _LARGEST_S = 20.0
 _TINY = 1e-12
+_HALVINGS = 14
+_ROUNDING = 1e-9
 
 
 class KeyedCode:
@@ -67,6 +69,54 @@ class KeyedCode:
         best = int(np.argmax(agreement))
         chance = log10_chance(values, float(agreement[best]), self.bits)
         return words[best], int(images[best]), len(images), chance
+
+    def likeliest_below(self, values: FloatArray, log10_limit: float) -> tuple[Bits, int, int, float] | None:
+        """Return what `likeliest` does, None where no word is less likely by chance than the limit.
+
+        Most of the work is saved then, as paths are followed only while they may lead to such a word.
+        """
+        observed = float(np.abs(values).sum())
+        most = 0.5 * (observed - least_agreement(values, log10_limit, self.bits)) + _ROUNDING * observed
+        if most < 0.0:
+            return None
+        images, words = self._decoder.decode(values, PATHS, most)
+        if not len(images):
+            return None
+        found = self._best(values, images, words)
+        return found if found[-1] <= log10_limit else None
+
+    def _best(self, values: FloatArray, images: Sets, words: Bits) -> tuple[Bits, int, int, float]:
+        seen = np.flatnonzero(values)
+        agreement = values.sum() - 2.0 * (words[:, seen] @ values[seen])
+        best = int(np.argmax(agreement))
+        chance = log10_chance(values, float(agreement[best]), self.bits)
+        return words[best], int(images[best]), len(images), chance
+
+
+def least_agreement(llr: FloatArray, log10_limit: float, words_log2: float = ID_BITS) -> float:
+    """Return an agreement below which `log10_chance` is surely above a limit (log10, negative).
+
+    The bound falls as the agreement grows, and where s is best for an agreement, that is sum l tanh(s l): so s is
+    sought for which the bound is the limit, and any s that is too small will do.
+    """
+    magnitudes = np.abs(llr[llr != 0.0])
+    if not len(magnitudes):
+        return inf
+    scale = magnitudes.mean()
+    sizes = magnitudes / scale
+    target = log10_limit * log(10.0) - words_log2 * log(2.0)
+    if target <= -len(sizes) * log(2.0):
+        return inf
+    low, high = 0.0, _LARGEST_S
+    for _ in range(_HALVINGS):
+        s = 0.5 * (low + high)
+        slope = np.tanh(s * sizes)
+        cosh = s * sizes + np.log1p(np.exp(-2.0 * s * sizes)) - log(2.0)
+        if float(cosh.sum() - s * (sizes @ slope)) > target:
+            low = s
+        else:
+            high = s
+    return float(sizes @ np.tanh(low * sizes)) * float(scale)
 
 
 def log10_chance(llr: FloatArray, agreement: float, words_log2: float = ID_BITS) -> float:

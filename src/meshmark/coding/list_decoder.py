@@ -5,11 +5,15 @@ half by g (given the left half), with the best `paths` decisions kept; min-sum, 
 A subtree that holds few id bits is not walked: all its words are compared at once, one matrix product for all
 paths, which is exact and makes it fast in numpy. A subtree without any id bit has one word per path, and
 still tells good paths from bad.
+
+The penalty of a path never falls, and at the end it is what the word contradicts the LLRs by, in all: min-sum keeps
+that sum from each subtree to its halves. So a search that only wants words which contradict little may stop early.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf
 from typing import NamedTuple
 
 import numpy as np
@@ -44,12 +48,17 @@ class _Leaf:
     choices: FloatArray
 
 
-@dataclass(eq=False)
+@dataclass(eq=False, kw_only=True)
 class _Paths:
-    """The decisions kept so far: id bits (p,) and penalty (p,)."""
+    """The decisions kept so far: id bits (p,) and penalty (p,); most: the largest that is of interest."""
 
     ids: Sets
     penalty: FloatArray
+    most: float
+
+
+class _NoneLeftError(Exception):
+    """No path can lead to a word of interest any more."""
 
 
 class ListDecoder:
@@ -59,13 +68,18 @@ class ListDecoder:
         self._leaves: dict[tuple[int, int], _Leaf] = {}
         self._plan(code, 0, len(code.sums))
 
-    def decode(self, llr: FloatArray, paths: int) -> Candidates:
+    def decode(self, llr: FloatArray, paths: int, most: float = inf) -> Candidates:
         """Return the words kept, at most `paths`.
 
         llr: (n,) log-likelihood ratios in any scale, positive where 0 is more likely, 0 where unknown.
+        most: the sum of those that a word of interest contradicts, at most; where there is no such word, there may
+        be none at all.
         """
-        state = _Paths(np.zeros(1, dtype=np.uint64), np.zeros(1))
-        words, _ = self._walk(state, 0, np.asarray(llr, dtype=np.float64)[None], paths)
+        state = _Paths(ids=np.zeros(1, dtype=np.uint64), penalty=np.zeros(1), most=most)
+        try:
+            words, _ = self._walk(state, 0, np.asarray(llr, dtype=np.float64)[None], paths)
+        except _NoneLeftError:
+            return Candidates(np.zeros(0, np.uint64), np.zeros((0, len(llr)), np.uint8))
         return Candidates(state.ids, words)
 
     def _plan(self, code: PolarCode, start: int, size: int) -> None:
@@ -86,7 +100,10 @@ class ListDecoder:
         size = llr.shape[1]
         leaf = self._leaves.get((start, size))
         if leaf is not None:
-            return _decide(state, leaf, llr, paths)
+            decided = _decide(state, leaf, llr, paths)
+            if state.penalty.min() > state.most:
+                raise _NoneLeftError
+            return decided
         half = size // 2
         left_llr, right_llr = llr[:, :half], llr[:, half:]
         left, origin = self._walk(state, start, _either(left_llr, right_llr), paths)

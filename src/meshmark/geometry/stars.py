@@ -17,6 +17,9 @@ SLIVER = 1e-9
 LEAST_ANGLE = 1e-3
 # A point with more neighbours is not looked at for midpoints.
 MOST_NEIGHBOURS = 64
+# The different entries of a symmetric matrix, and which of them is where.
+_PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
+_WHOLE = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -50,54 +53,66 @@ def stars_of(points: FloatArray, faces: IntArray) -> Stars:
     -------
     Stars
     """
-    count = len(points)
-    corners = points[faces]
-    edges = np.roll(corners, -1, axis=1) - corners
-    normals = np.cross(edges[:, 0], edges[:, 1])
-    double = np.linalg.norm(normals, axis=1)
-    lengths = np.linalg.norm(edges, axis=2)
-    longest = np.maximum(lengths.max(axis=1), 1e-300)
+    count, corner = len(points), np.ascontiguousarray(faces.T)
+    # By coordinate, corner and face, the faces last; an edge leads from each corner to the next.
+    ends = np.stack([axis.take(corner) for axis in np.ascontiguousarray(points.T)])
+    edges = np.roll(ends, -1, axis=1) - ends
+    normals = _cross(edges[:, 0], edges[:, 1])
+    double = _length(normals)
+    lengths = _length(edges)
+    longest = np.maximum(lengths.max(axis=0), 1e-300)
     sound = double > SLIVER * longest**2
-    normals = np.where(sound[:, None], normals / np.maximum(double, 1e-300)[:, None], 0.0)
-    tensor = np.zeros((count, 9))
+    normals = np.where(sound, normals / np.maximum(double, 1e-300), 0.0)
+    tensor = np.zeros((len(_PAIRS), count))
     total = np.zeros(count)
     outer = _squares(normals)
-    for corner in range(3):
-        across = np.einsum("ij,ij->i", edges[:, corner], -edges[:, corner - 1])
-        angle = np.arctan2(double, across) * sound
-        total += np.bincount(faces[:, corner], angle, count)
-        _add(tensor, faces[:, corner], outer * angle[:, None])
-    ends, inward = _inward(faces, edges / np.maximum(lengths, 1e-300)[:, :, None], normals)
-    for end in ends.T:
+    for place in range(3):
+        across = -(edges[:, place] * edges[:, place - 1])
+        angle = np.arctan2(double, across[0] + across[2] + across[1]) * sound
+        total += np.bincount(corner[place], angle, count)
+        _add(tensor, corner[place], outer * angle)
+    joined, inward = _inward(faces, edges / np.maximum(lengths, 1e-300), normals)
+    for end in joined:
         _add(tensor, end, _squares(inward))
-    tensor /= np.maximum(total, LEAST_ANGLE)[:, None]
+    tensor /= np.maximum(total, LEAST_ANGLE)
     height = np.full(count, np.inf)
-    for corner in range(3):
-        np.minimum.at(height, faces[sound, corner], (double / longest)[sound])
+    for own in corner:
+        np.minimum.at(height, own[sound], (double / longest)[sound])
     height[np.isinf(height)] = 0.0
-    return Stars(tensor=tensor.reshape(-1, 3, 3), height=height, used=total > 0.0)
+    return Stars(tensor=np.ascontiguousarray(tensor.T)[:, _WHOLE], height=height, used=total > 0.0)
 
 
 def _inward(faces: IntArray, along: FloatArray, normals: FloatArray) -> tuple[IntArray, FloatArray]:
-    """Return the ends (e, 2) of the edges, and the sum (e, 3) of the unit vectors from each into its faces."""
+    """Return the ends (2, e) of the edges, and the sum (3, e) of the unit vectors from each into its faces."""
     count = int(faces.max(initial=-1)) + 1
     start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     name = np.minimum(start, end) * count + np.maximum(start, end)
-    into = np.cross(np.repeat(normals, 3, axis=0), along.reshape(-1, 3))
     names, row = np.unique(name, return_inverse=True)
-    summed = np.stack([np.bincount(row.ravel(), axis, len(names)) for axis in into.T], axis=1).astype(float)
-    ends = np.stack([names // max(count, 1), names % max(count, 1)], axis=1).astype(np.int64)
-    return ends, summed
+    # Face by face, as the names are.
+    into = [each.T.ravel() for each in _cross(normals[:, None], along)]
+    summed = np.stack([np.bincount(row.ravel(), axis, len(names)) for axis in into]).astype(float)
+    return np.stack([names // max(count, 1), names % max(count, 1)]).astype(np.int64), summed
+
+
+def _cross(one: FloatArray, other: FloatArray) -> FloatArray:
+    """Return the cross products of vectors whose coordinates come first."""
+    return np.stack([one[i] * other[j] - one[j] * other[i] for i, j in ((1, 2), (2, 0), (0, 1))])
+
+
+def _length(vectors: FloatArray) -> FloatArray:
+    """Return the lengths of vectors whose coordinates come first."""
+    x, y, z = vectors
+    return np.asarray(np.sqrt(x * x + y * y + z * z))
 
 
 def _squares(vectors: FloatArray) -> FloatArray:
-    """Return (n, 9): v v' of each vector (n, 3)."""
-    return (vectors[:, :, None] * vectors[:, None, :]).reshape(-1, 9)
+    """Return (6, n): the different entries of v v' of each vector (3, n)."""
+    return np.stack([vectors[i] * vectors[j] for i, j in _PAIRS])
 
 
 def _add(sums: FloatArray, rows: IntArray, values: FloatArray) -> None:
-    for column in range(sums.shape[1]):
-        sums[:, column] += np.bincount(rows, values[:, column], len(sums))
+    for total, own in zip(sums, values, strict=True):
+        total += np.bincount(rows, own, len(total))
 
 
 def are_midpoints(points: FloatArray, edges: IntArray, tolerance: float) -> NDArray[np.bool_]:

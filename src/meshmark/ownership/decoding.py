@@ -92,18 +92,20 @@ def decoded(codec: Codec, reading: Reading, listed: Listed, decodings: float = 1
     named = _among(codec, reading, observed, listed, charged=charged)
     if named is not None and len(named.ids) > 1:  # of an average the likeliest word alone is one of them
         return named
-    limit = _word_limit(reading)
-    decode = partial(codec.decode, log10_limit=limit)
-    word = _better_way(decode, observed) if credible else decode(observed)
-    bound = _log10_bound(reading.log10_chance + word.log10_chance, charged.lock)
-    if word.id is not None and bound <= PRESENT_LOG10:
-        return Found(
-            reading=reading,
-            ids=(word.id,),
-            present=True,
-            log10_false_positive=bound,
-            log10_words=(word.log10_chance + charged.word,),
-        )
+    limit = min(_word_limit(reading), _least_of_word(reading.log10_chance, charged.lock))
+    signs = (1.0, -1.0) if credible else (1.0,)
+    words = [word for sign in signs if (word := codec.decode_below(sign * observed, limit)) is not None]
+    word = min(words, key=lambda each: each.log10_chance, default=None)
+    if word is not None and word.id is not None:
+        bound = _log10_bound(reading.log10_chance + word.log10_chance, charged.lock)
+        if bound <= PRESENT_LOG10:
+            return Found(
+                reading=reading,
+                ids=(word.id,),
+                present=True,
+                log10_false_positive=bound,
+                log10_words=(word.log10_chance + charged.word,),
+            )
     if named is not None or not credible:
         return named
     return _short(codec, reading, observed, decodings) or _presence(codec, reading, observed)
@@ -212,6 +214,11 @@ def _log10_bound(log10_chance: float, hypotheses: float) -> float:
     whatever the lock, which sees only pilots and doubled phases. For a lock alone this is more than is needed.
     """
     return min(0.0, log10(hypotheses) + log10_chance + log10(1.0 - log10_chance * log(10.0)))
+
+
+def _least_of_word(lock: float, hypotheses: float) -> float:
+    """Return log10 of the chance of a word from which on the bound with this lock is not below what is asked."""
+    return PRESENT_LOG10 - log10(hypotheses) - lock
 
 
 def lock_bound(reading: Reading) -> float:

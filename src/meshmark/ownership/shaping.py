@@ -39,14 +39,13 @@ from meshmark.ownership.parameters import (
     SOLVE_PASSES,
     SOLVE_TOLERANCE,
 )
+from meshmark.ownership.patch_shares import patch_shares
 from meshmark.ownership.shortfall import Surroundings
 
 __all__ = ["Shaping"]
 
 # The solve makes a mark more visible than its first order is, about so much.
 SOLVE_EXCESS = 1.05
-# A cell is judged by the patches around it, a Gaussian of this width in spacings.
-PATCH_WIDTH = 0.5
 HALVINGS = 12
 
 
@@ -101,7 +100,7 @@ class Shaping:
 
     def loudness(self, step: float) -> float:
         """Return the 95th percentile of the ratio by which a mark without compensation is seen, 1 just noticed."""
-        turned = self._turning @ self._coefficients(self._whole(step, self._typical))
+        turned = self._turned(self._whole(step, self._typical))
         return float(np.quantile(self._seen.ratios_of(turned), 0.95))
 
     def expected_cosine(self, step: float, noise: float) -> float:
@@ -238,24 +237,25 @@ class Shaping:
 
     def _seen_at_cells(self, change: FloatArray) -> tuple[FloatArray, float]:
         """Return how visible changes of offset (f,) are at each cell, and on what share of the surface they are."""
-        turned = self._turning @ self._coefficients(change)
+        turned = self._turned(change)
         ratio = SOLVE_EXCESS * self._seen.ratios_of(turned)
         return (self._patches @ ratio**4) ** 0.25, float((ratio > 1.0).mean())
 
+    def _turned(self, change: FloatArray) -> FloatArray:
+        """Return how the patches' normals (3 s,) change with offsets (f,)."""
+        length = self._bumps.basis @ self._coefficients(change)
+        return np.asarray(self._unit * (self._slopes @ length))
+
     @cached_property
-    def _turning(self) -> sp.csr_array:
-        """Change of the patches' normals per coefficient of the bumps, (3 s, m)."""
-        return sp.csr_array(self._unit * self._seen.slopes(self._scene_normals) @ self._bumps.basis)
+    def _slopes(self) -> sp.csr_array:
+        """Change of the patches' normals per scene unit of motion along the points' normals, (3 s, p)."""
+        return self._seen.slopes(self._scene_normals)
 
     @cached_property
     def _patches(self) -> FloatArray:
         """Share (f, k) of each patch in what is seen at each cell."""
-        cells, centres = self._cells, self._seen.centres
-        places = cells.nodes + cells.offset[:, None] * cells.normal
-        apart = ((places[:, None, :] - self._placed[centres]) ** 2).sum(axis=2)
-        facing = np.maximum(cells.normal @ self._bumps.normals[centres].T, 0.0)
-        weight = np.exp(-0.5 * apart / PATCH_WIDTH**2) * facing + np.finfo(float).tiny
-        return np.asarray(weight / weight.sum(axis=1, keepdims=True))
+        centres = self._seen.centres
+        return patch_shares(self._cells, self._placed[centres], self._bumps.normals[centres])
 
     @cached_property
     def _frame_change(self) -> FloatArray:

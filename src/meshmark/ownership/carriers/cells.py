@@ -23,7 +23,7 @@ from meshmark.geometry.blocks import blocks
 from meshmark.geometry.open_edges import EdgeSamples
 from meshmark.geometry.sampling import Samples
 from meshmark.mesh import FloatArray, IntArray
-from meshmark.ownership.carriers.nodes import REACH, find_nodes, surroundings
+from meshmark.ownership.carriers.nodes import CORNERS, REACH, Surroundings, find_nodes, surroundings
 
 __all__ = ["Cells", "border_gradient", "cell_gradient", "gradient_pairs", "measure_cells"]
 
@@ -31,6 +31,8 @@ _Change = Callable[[IntArray, IntArray, FloatArray, FloatArray], FloatArray]
 
 PLANE_MASS = np.pi / 4.0  # integral of the window over a plane through its node
 POWER = 3
+# Samples that are added up at once.
+ROWS = 1 << 14
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -63,26 +65,12 @@ class Cells:
 
 def measure_cells(samples: Samples) -> Cells:
     """Measure every cell touched by samples given in lattice coordinates, (q, 3)."""
-    counted = (samples.areas > 0.0) & (np.abs(samples.positions) < REACH - 2).all(axis=1)
-    if not counted.all():
-        samples = Samples(
-            positions=samples.positions[counted],
-            vectors=samples.vectors[counted],
-            areas=samples.areas[counted],
-        )
+    positions = samples.positions
+    if np.abs(positions).max(initial=0.0) >= REACH - 2:
+        near = np.flatnonzero((np.abs(positions) < REACH - 2).all(axis=1))
+        samples = Samples(positions=positions[near], vectors=samples.vectors[near], areas=samples.areas[near])
     around = surroundings(samples.positions)
-    count = len(around.nodes)
-    sums = np.zeros((5, count))
-    for part in blocks(len(samples.areas)):
-        ax, ay, az = vectors = np.ascontiguousarray(samples.vectors[part].T)
-        flux = np.einsum("qi,iq->q", around.fraction[part], vectors)
-        for corner, inside, node in around.windows(part):
-            window = inside * inside * inside
-            through = flux.copy()
-            for axis in np.flatnonzero(corner):
-                through -= vectors[axis]
-            for row, values in enumerate((ax, ay, az, through, samples.areas[part])):
-                sums[row] += np.bincount(node, window * values, count)
+    sums = _sums(samples, around)
     seen = sums[4] > 0.0
     sums = sums[:, seen]
     strength = np.sqrt(sums[0] ** 2 + sums[1] ** 2 + sums[2] ** 2)
@@ -95,6 +83,34 @@ def measure_cells(samples: Samples) -> Cells:
         mass=strength / PLANE_MASS,
         flatness=strength / sums[4],
     )
+
+
+def _sums(samples: Samples, around: Surroundings) -> FloatArray:
+    """Return (5, n): windowed sums of area vectors, of flux from the node, and of areas, at every node.
+
+    Summed by lattice cubes first, for each corner: one sparse product for all five.
+    """
+    cubes = len(around.place)
+    sums = np.zeros((len(CORNERS), cubes, 5))
+    vectors = np.ascontiguousarray(samples.vectors.T)
+    for part in blocks(len(samples.areas), ROWS):
+        ax, ay, az = vectors[:, part]
+        x, y, z = around.fraction[:, part]
+        flux = x * ax + y * ay + z * az
+        values = np.stack([ax, ay, az, flux, samples.areas[part]], axis=1)
+        count = len(values)
+        into = sp.csc_array(
+            (np.ones(count), around.cube[part], np.arange(count + 1, dtype=np.int32)), shape=(cubes, count)
+        )
+        for total, inside in zip(sums, around.windows(part), strict=True):
+            into.data = inside * inside * inside
+            total += into @ values
+    for total, corner in zip(sums, CORNERS, strict=True):
+        for axis in np.flatnonzero(corner):
+            total[:, 3] -= total[:, axis]
+    row = around.place.T.ravel()
+    by_corner = sums.reshape(-1, 5).T
+    return np.stack([np.bincount(row, each, len(around.nodes)) for each in by_corner])
 
 
 def cell_gradient(samples: Samples, cells: Cells) -> sp.csr_array:
@@ -152,10 +168,11 @@ def _pairs(
     around = surroundings(np.clip(positions, 2 - REACH, REACH - 2))
     row_of = find_nodes(cells.nodes, around.nodes)
     for part in parts:
-        start, fraction = part.start or 0, around.fraction[part]
-        for corner, inside, node in around.windows(part):
-            row = row_of.take(node)
+        start, fraction, cube = part.start or 0, around.fraction[:, part], around.cube[part]
+        for corner, place, inside in zip(CORNERS, around.place.T, around.windows(part), strict=True):
+            row = row_of.take(place).take(cube)
             hit = np.flatnonzero((row >= 0) & (inside > 0.0))
             row = row[hit]
-            moved = change(row, start + hit, fraction.take(hit, axis=0) - corner, inside[hit])
+            arm = np.ascontiguousarray(fraction.take(hit, axis=1).T) - corner
+            moved = change(row, start + hit, arm, inside[hit])
             yield row, start + hit, moved / (cells.mass[row] * PLANE_MASS)

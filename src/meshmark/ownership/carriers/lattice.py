@@ -11,9 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from meshmark.coding.keyed import cell_words, offset, rotation, unit_interval
+from meshmark.coding.keyed import offset, rotation, unit_interval
 from meshmark.coding.keyed_code import LENGTH
 from meshmark.coding.keys import Key
+from meshmark.coding.known_words import KnownWords
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.ownership.carriers.lattice_label import Label
 
@@ -60,7 +61,7 @@ class Lattice:
     label: Label
     axes: FloatArray
     shift: FloatArray
-    _cells: bytes
+    _words: KnownWords
 
     @classmethod
     def keyed(cls, key: Key, spacing: float, label: Label) -> Lattice:
@@ -75,7 +76,7 @@ class Lattice:
             label=label,
             axes=rotation(key.subkey(f"lattice turn of {label}")),
             shift=offset(key.subkey(purpose)),
-            _cells=key.subkey(purpose + " cells"),
+            _words=KnownWords(key.subkey(purpose + " cells"), 3),
         )
 
     def coordinates(self, points: FloatArray) -> FloatArray:
@@ -88,7 +89,7 @@ class Lattice:
 
     def keys(self, nodes: IntArray) -> CellKeys:
         """What the key says of the cells at integer coordinates (n, 3)."""
-        words = cell_words(self._cells, nodes, 3)
+        words = self._words.of(nodes)
         return CellKeys(
             code_index=(words[:, 0] % np.uint64(LENGTH)).astype(np.int64),
             dither=unit_interval(words[:, 1]),

@@ -90,7 +90,7 @@ class _Lock:
     choice: Choice
     hypotheses: float
 
-    @property
+    @cached_property
     def pilots(self) -> NDArray[np.bool_]:
         """(p, 3) coordinates that are pilots."""
         return self.framed.carrying(self.choice) & are_pilots(self.framed.keys.draw)
@@ -108,7 +108,7 @@ class _Lock:
         """Whether the pilots lie so near to where they should that no other frame fits better."""
         return float(np.cos(self.framed.phases(self.choice.step)[self.pilots]).mean()) >= CLEAR
 
-    @property
+    @cached_property
     def log10_chance(self) -> float:
         """Log10 of the chance of the pilots alone."""
         return self.framed.lock_chance(self.pilots, self.choice.step)
@@ -123,8 +123,8 @@ class _Lock:
 
         The least or largest coordinates of copies are shifted along each axis.
         """
-        carries = self.pilots
-        wave = np.where(carries, np.exp(1j * self.framed.phases(self.choice.step)), 0.0).sum(axis=0)
+        phases = np.where(self.pilots, self.framed.phases(self.choice.step), np.nan)
+        wave = np.array([np.exp(1j * each[~np.isnan(each)]).sum() for each in phases.T])
         turns = np.round(-np.angle(wave) / (2.0 * np.pi) * SHIFTS) / SHIFTS
         return self._corrected(np.append(turns * self.choice.step, np.zeros(4)), float(SHIFTS) ** 3)
 

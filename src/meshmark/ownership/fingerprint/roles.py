@@ -38,11 +38,13 @@ def are_pilots(draw: FloatArray) -> NDArray[np.bool_]:
 
 def are_witnesses(draw: FloatArray) -> NDArray[np.bool_]:
     """Return which coordinates, by their draws (any shape), are witnesses."""
-    return np.asarray((_role(draw) >= PILOTS) & (_role(draw) < PILOTS + WITNESSES))
+    role = _role(draw)
+    return np.asarray((role >= PILOTS) & (role < PILOTS + WITNESSES))
 
 
 def _role(draw: FloatArray) -> FloatArray:
-    return np.asarray(draw * _BEYOND % 1.0)
+    digits = draw * _BEYOND
+    return np.asarray(digits - np.floor(digits))
 
 
 @dataclass(frozen=True, eq=False)

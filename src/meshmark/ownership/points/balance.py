@@ -11,8 +11,8 @@ __all__ = ["balanced"]
 
 # Points that are set further at most.
 MOST = 60
-# Of a step, tried on either side.
-SIDES = np.array([1.0, -1.0])
+# What is left out is chosen for an error of this many times that of the frame.
+AHEAD = 1.5
 
 
 def balanced(
@@ -51,19 +51,31 @@ def balanced(
     point, axis = np.nonzero(carries)
     if not len(point):
         return motion
-    turns = (step * SIDES[:, None, None] * follow[point, :, axis]).reshape(-1, 3)  # (2 n, 3)
-    owner = np.tile(point, 2)
-    lever = np.einsum("qni,ni->nq", gradient[:, owner], turns)
-    force = np.einsum("nij,nj->ni", cost[owner], turns)
-    own = np.einsum("ni,ni->n", force, turns) + np.einsum("nq,qr,nr->n", lever, price, lever)
-    energy = own + 2.0 * np.einsum("ni,ni->n", force, motion[owner])
+    turns = step * follow[point, :, axis]  # (n, 3), to one side; to the other the same backwards
+    levers = np.stack([np.einsum("ni,ni->n", each[point], turns) for each in gradient])
+    force = np.einsum("nij,nj->ni", cost[point], turns)
+    levering = np.maximum(np.einsum("qn,qn->n", price @ levers, levers), 0.0)
+    own = np.einsum("ni,ni->n", force, turns) + levering
+    rise = 2.0 * np.einsum("ni,ni->n", force, motion[point])
     motion, error = motion.copy(), error.copy()
+    reach, rows, some = 0.0, np.zeros(0, np.int64), levers[:, :0]
     for _ in range(MOST):
-        saving = energy + 2.0 * lever @ (price @ error)
-        best = int(np.argmin(saving))
-        if saving[best] >= 0.0:
+        wanted = price @ error
+        size = max(float(error @ wanted), 0.0) ** 0.5
+        if size > reach or not len(rows):
+            # Others cost more than they save as long as the error is no larger: by Cauchy and Schwarz.
+            reach = AHEAD * size
+            rows = np.flatnonzero(own - np.abs(rise) < 2.0 * reach * np.sqrt(levering))
+            if not len(rows):
+                break
+            some = levers[:, rows]
+        change = rise[rows] + 2.0 * (wanted @ some)
+        saving = own[rows] - np.abs(change)
+        place = int(np.argmin(saving))
+        if saving[place] >= 0.0:
             break
-        motion[owner[best]] += turns[best]
-        error += lever[best]
-        energy[owner == owner[best]] = np.inf  # each point once
+        side, best = (-1.0 if change[place] > 0.0 else 1.0), rows[place]
+        motion[point[best]] += side * turns[best]
+        error += side * levers[:, best]
+        own[point == point[best]] = np.inf  # each point once
     return motion

@@ -6,7 +6,6 @@ from math import log
 from typing import Final
 
 import numpy as np
-from scipy.special import i0e
 
 from meshmark.mesh import FloatArray
 
@@ -30,6 +29,8 @@ def log10_lock_chance_of_few(score: float, sizes: FloatArray) -> float:
     sizes : (g,) float array
         Of these sums.
     """
+    from scipy.special import i0e  # takes as long to import as such a model to read
+
     total = float(sizes.sum())
     if score <= 0.0 or total <= 0.0:
         return 0.0

@@ -28,47 +28,47 @@ def frame_moments(
     values : (9,) or (10,) float array
         Centroid x, y, z; moments xx, yy, zz, xy, xz, yz; with the area, its logarithm.
     gradient : (9, p, 3) or (10, p, 3) float array
-        By each coordinate of each point.
+        By each coordinate of each point; those of all points lie in one piece.
     """
-    count = len(points)
-    corners = points[faces]
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    double = np.linalg.norm(normal, axis=1)
-    area, normal = 0.5 * double, normal / np.maximum(double, 1e-300)[:, None]
-    total, summed = area.sum(), corners.sum(axis=1)
-    means = [summed[:, axis] / 3.0 for axis in range(3)]
-    means += [
-        ((corners[:, :, i] * corners[:, :, j]).sum(axis=1) + summed[:, i] * summed[:, j]) / 12.0
-        for i, j in _PAIRS
-    ]
-    values = np.array([area @ mean for mean in means]) / total
-    after, before = np.roll(corners, -1, axis=1), np.roll(corners, 1, axis=1)
+    count, corner = len(points), np.ascontiguousarray(faces.T)
     # By coordinate, corner and face; the faces last, which is fastest.
-    grows = np.ascontiguousarray(0.5 * np.cross(normal[:, None], before - after).transpose(2, 1, 0))
-    slopes = np.ascontiguousarray(
-        ((corners + summed[:, None]) * (area / 12.0)[:, None, None]).transpose(2, 1, 0)
-    )
-    at = faces.T.ravel()
+    ends = np.stack([axis.take(corner) for axis in np.ascontiguousarray(points.T)])
+    normal = _cross(ends[:, 1] - ends[:, 0], ends[:, 2] - ends[:, 0])
+    double = np.sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2])
+    area, normal = 0.5 * double, normal / np.maximum(double, 1e-300)
+    total, summed = area.sum(), ends[:, 0] + ends[:, 1] + ends[:, 2]
+    means = [each / 3.0 for each in summed]
+    means += [((ends[i] * ends[j]).sum(axis=0) + summed[i] * summed[j]) / 12.0 for i, j in _PAIRS]
+    values = np.array([area @ mean for mean in means]) / total
+    across = np.roll(ends, 1, axis=1) - np.roll(ends, -1, axis=1)
+    grows = 0.5 * _cross(normal[:, None], across)
+    slopes = (ends + summed[:, None]) * (area / 12.0)
+    at = corner.ravel()
 
     def by_point(changes: FloatArray) -> FloatArray:
-        return np.stack([np.bincount(at, each.ravel(), count) for each in changes], axis=1)
+        return np.stack([np.bincount(at, each.ravel(), count) for each in changes])
 
     growth = by_point(grows)  # of the area
-    gradient = np.empty((len(means), count, 3))
+    gradient = np.empty((len(means) + with_area, 3, count))
+    change = np.empty_like(grows)
     for row, mean in enumerate(means):
-        change = mean * grows
+        np.multiply(mean, grows, out=change)
         if row < 3:
             change[row] += area / 3.0
         else:
             i, j = _PAIRS[row - 3]
             change[i] += slopes[j]
             change[j] += slopes[i]
-        gradient[row] = by_point(change)
-    gradient = (gradient - values[:, None, None] * growth) / total
+        gradient[row] = (by_point(change) - values[row] * growth) / total
     centre = values[:3].copy()
     for row, (i, j) in enumerate(_PAIRS, start=3):
         values[row] -= centre[i] * centre[j]
         gradient[row] -= centre[i] * gradient[j] + centre[j] * gradient[i]
     if with_area:
-        return np.append(values, np.log(total)), np.concatenate([gradient, growth[None] / total])
-    return values, gradient
+        values, gradient[9] = np.append(values, np.log(total)), growth / total
+    return values, gradient.transpose(0, 2, 1)
+
+
+def _cross(one: FloatArray, other: FloatArray) -> FloatArray:
+    """Return the cross products of vectors whose coordinates come first."""
+    return np.stack([one[i] * other[j] - one[j] * other[i] for i, j in ((1, 2), (2, 0), (0, 1))])

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from meshmark.coding.keyed import cell_words, offset, rotation, unit_interval
+from meshmark.coding.keyed import offset, rotation, unit_interval
 from meshmark.coding.keyed_code import LENGTH
 from meshmark.coding.keys import Key
+from meshmark.coding.known_words import KnownWords
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.ownership.carriers.lattice_label import Label
 from meshmark.ownership.points.parameters import SIDE
@@ -19,18 +20,33 @@ __all__ = ["PointKeys", "PointLattice", "distinct_cubes"]
 _INDEX_BITS = 16
 # Cubes in the box around some are numbered up to this.
 _NAMES = 2.0**62
+# And listed in a table where there are at most this number of times as many.
+_TABLE = 64
 
 
 def distinct_cubes(cubes: IntArray) -> tuple[IntArray, IntArray]:
     """Return the different ones (k, 3) of some cubes (n, 3), and which of them (n,) each is."""
-    low = cubes.min(axis=0, initial=2**40)
-    size = np.ptp(cubes, axis=0) + 1 if len(cubes) else np.ones(3)
-    if float(np.prod(size.astype(np.float64))) > _NAMES:
+    if not len(cubes):
+        return cubes, np.zeros(0, np.int64)
+    places = np.ascontiguousarray(cubes.T)
+    low = places.min(axis=1)
+    size = places.max(axis=1) - low + 1
+    box = float(np.prod(size.astype(np.float64)))
+    if box > _NAMES:
         different, row = np.unique(cubes, axis=0, return_inverse=True)
         return different, row.ravel()
-    x, y, z = (cubes - low).T
-    _, first, row = np.unique((x * size[1] + y) * size[2] + z, return_index=True, return_inverse=True)
-    return cubes[first], row.ravel()
+    x, y, z = places - low[:, None]
+    name = (x * size[1] + y) * size[2] + z
+    if box > _TABLE * len(cubes):
+        names, row = np.unique(name, return_inverse=True)
+    else:  # by a table of all cubes in the box about them: many times faster
+        there = np.zeros(int(box), bool)
+        there[name] = True
+        names = np.flatnonzero(there)
+        number = np.empty(len(there), np.int64)
+        number[names] = np.arange(len(names))
+        row = number[name]
+    return np.stack(np.unravel_index(names, tuple(size)), axis=1) + low, row.ravel()
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -55,7 +71,7 @@ class PointLattice:
     label: Label
     axes: FloatArray
     shift: FloatArray
-    _cubes: bytes
+    _words: KnownWords
 
     @classmethod
     def keyed(cls, key: Key, label: Label, use: str = "points") -> PointLattice:
@@ -64,7 +80,7 @@ class PointLattice:
             label=label,
             axes=rotation(key.subkey(f"turn of {use} of {label}")),
             shift=offset(key.subkey(f"shift of {use} of {label}")),
-            _cubes=key.subkey(f"{use} of {label}"),
+            _words=KnownWords(key.subkey(f"{use} of {label}"), 7),
         )
 
     def places(self, canonical: FloatArray) -> FloatArray:
@@ -78,7 +94,7 @@ class PointLattice:
     def keys(self, cubes: IntArray) -> PointKeys:
         """Return what the key says of points in these cubes (n, 3)."""
         different, row = distinct_cubes(cubes)
-        words = cell_words(self._cubes, different, 7)
+        words = self._words.of(different)
         shifts = np.arange(3, dtype=np.uint64) * np.uint64(_INDEX_BITS)
         indices = (words[:, :1] >> shifts) & np.uint64(2**_INDEX_BITS - 1)
         return PointKeys(

@@ -124,8 +124,8 @@ class Framed:
 
     def first(self, carries: NDArray[np.bool_], most: int) -> NDArray[np.bool_]:
         """Return (p, 3): of the coordinates that carry those with the lowest draws, at most this number."""
-        draw = np.sort(self.keys.draw[carries])
-        return carries if len(draw) <= most else np.asarray(carries & (self.keys.draw < draw[most]))
+        draw = self.keys.draw[carries]
+        return carries if len(draw) <= most else carries & (self.keys.draw < np.partition(draw, most)[most])
 
     def gradient(self, carries: NDArray[np.bool_]) -> FloatArray:
         """Return (n, 7): the change of the carrying coordinates for a small pose."""
@@ -167,7 +167,16 @@ class Framed:
     def best_share(self, choice: Choice) -> Choice:
         """Return the choice with the share that locks best, judged by all coordinates."""
         locks = [replace(choice, share=share) for share in SHARES]
-        return min(locks, key=lambda each: self.reading(each, 1.0).log10_chance)
+        carries = self.carrying(max(locks, key=lambda each: each.share))
+        draw, group = self.keys.draw[carries], self.group[carries]
+        wave = np.exp(2j * self.phases(choice.step)[carries])
+
+        def chance(lock: Choice) -> float:
+            kept = draw < lock.cut
+            real, square = _summed(wave[kept], group[kept])
+            return self._chance(float(real.sum()), square)
+
+        return min(locks, key=chance)
 
     def reading(self, choice: Choice, hypotheses: float) -> Reading:
         """Return what the points say under a choice."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from meshmark.coding.keyed_code import LENGTH
-from meshmark.geometry.areas import area_vectors
+from meshmark.geometry.areas import area_vectors, face_areas
 from meshmark.geometry.joints import joints_of
 from meshmark.geometry.surface import Surface
 from meshmark.mesh import FloatArray, IntArray
@@ -72,7 +73,7 @@ class PointShaping:
         self._largest = largest * surface.diagonal / self._frame.scale
         moments = moments_apart(self._frame, budget * surface.diagonal / self._frame.scale)
         self._holds_area = holds_area
-        area = self._moments(self._points)[0][9:]
+        area = [np.log(face_areas(self._points, surface.faces).sum())] if holds_area else []
         self._goal = np.concatenate([np.zeros(3), moments, np.zeros(3), area])
         # Stretching the whole keeps planes plane; what it leaves of the moments, some points make up for.
         self._stretched = stretched(self._points, self._frame, moments)
@@ -83,6 +84,16 @@ class PointShaping:
     def _joints(self) -> csr_array:
         """(p, p): how points follow others, see `joints_of`."""
         return joints_of(self._surface)
+
+    @cached_property
+    def _is_jointed(self) -> bool:
+        """Whether any point follows another."""
+        joints = self._joints
+        return joints.nnz != joints.shape[0] or bool((joints.diagonal() != 1.0).any())
+
+    def _followed(self, motion: FloatArray) -> FloatArray:
+        """Return how all points move (p, 3) under the motions of those that follow none."""
+        return np.asarray(self._joints @ motion) if self._is_jointed else motion
 
     @cached_property
     def _pull(self) -> csr_array:
@@ -133,21 +144,24 @@ class PointShaping:
             follow, rest = held(ease, carries)
             rest *= yields[:, None, None]
             rest[frozen] = 0.0
-            gradient, error, system = self._off(motion, rest)
+            yielding = np.ascontiguousarray(rest.transpose(1, 2, 0))
+            off = self._off(motion, yielding)
             further = balanced(
                 motion,
                 follow=follow,
                 cost=cost,
                 carries=carries,
                 step=choice.step,
-                gradient=gradient,
-                error=error,
-                price=np.asarray(np.linalg.pinv(system, rcond=SINGULAR, hermitian=True), dtype=np.float64),
+                gradient=off.gradient,
+                error=off.error,
+                price=np.asarray(
+                    np.linalg.pinv(off.system, rcond=SINGULAR, hermitian=True), dtype=np.float64
+                ),
             )
             stays = (self._lattice.cubes(start + further) == self._lattice.cubes(start + motion)).all(axis=1)
             motion = np.where(stays[:, None], further, motion)
-            motion = self._framed(motion, rest, FRAME_PASSES[number >= PASSES - 1])
-            points = start + joints @ motion
+            motion = self._framed(motion, yielding, FRAME_PASSES[number >= PASSES - 1])
+            points = start + self._followed(motion)
             folded = (np.einsum("ij,ij->i", before, _normals(points, surface.faces)) < LIFTED) & (
                 (before**2).sum(axis=1) > 0.0
             )
@@ -172,29 +186,52 @@ class PointShaping:
         moved = (points != self._points).any(axis=1) & self._surface.used
         return np.where(moved[:, None], self._frame.to_scene(points), self._surface.points)
 
-    def _framed(self, motion: FloatArray, rest: FloatArray, passes: int) -> FloatArray:
-        """Return the motion (p, 3) with what `rest` allows added until the frame is as wanted."""
+    def _framed(self, motion: FloatArray, yielding: FloatArray, passes: int) -> FloatArray:
+        """Return the motion (p, 3) with what `yielding` allows added until the frame is as wanted."""
         for _ in range(passes):
-            gradient, error, system = self._off(motion, rest)
-            if np.abs(error).max() < FRAME_ERROR:
+            off = self._off(motion, yielding)
+            if np.abs(off.error).max() < FRAME_ERROR:
                 break
-            step = np.linalg.pinv(system, rcond=SINGULAR, hermitian=True) @ error
-            motion = motion - np.einsum("pij,qpj,q->pi", rest, gradient, step, optimize=True)
+            step = np.linalg.pinv(off.system, rcond=SINGULAR, hermitian=True) @ off.error
+            motion = motion - np.tensordot(step, off.given, 1).T
         return motion
 
     def _moments(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
         return frame_moments(points, self._surface.faces, with_area=self._holds_area)
 
-    def _off(self, motion: FloatArray, rest: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return gradient (q, p, 3), error (q,) and system (q, q) of the q moments that are held, under a motion.
+    def _off(self, motion: FloatArray, yielding: FloatArray) -> _Off:
+        """Return how far the moments are off under a motion; yielding: (3, 3, p) how points give way to a force."""
+        values, gradient = self._moments(self._stretched + self._followed(motion))
+        count = len(values)
+        pulled = gradient.transpose(0, 2, 1)
+        if self._is_jointed:
+            by_free = self._pull @ pulled.reshape(-1, len(motion)).T
+            pulled = np.ascontiguousarray(by_free.T).reshape(pulled.shape)
+        given = np.empty_like(pulled)
+        for force, motions in zip(pulled, given, strict=True):
+            for yields, own in zip(yielding, motions, strict=True):
+                np.einsum("jp,jp->p", yields, force, out=own)
+        return _Off(
+            gradient=pulled.transpose(0, 2, 1),
+            error=values - self._goal,
+            given=given,
+            system=pulled.reshape(count, -1) @ given.reshape(count, -1).T,
+        )
 
-        The system says how they change for a unit of force along each gradient, `rest` (p, 3, 3) giving way.
-        """
-        values, gradient = self._moments(self._stretched + self._joints @ motion)
-        by_free = self._pull @ gradient.transpose(1, 0, 2).reshape(len(motion), -1)
-        pulled = by_free.reshape(len(motion), -1, 3)
-        system = np.einsum("pqi,pij,prj->qr", pulled, rest, pulled, optimize=True)
-        return pulled.transpose(1, 0, 2), values - self._goal, system
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Off:
+    """How far q moments that are held are off.
+
+    gradient: (q, p, 3) change of each by the coordinates of the points that follow none. error: (q,).
+    given: (q, 3, p) how points give way to a unit of force along each gradient; system: (q, q) how the moments
+    change then.
+    """
+
+    gradient: FloatArray
+    error: FloatArray
+    given: FloatArray
+    system: FloatArray
 
 
 def _touched(joints: csr_array, points: IntArray, count: int) -> NDArray[np.bool_]:

@@ -84,6 +84,10 @@ class Search:
         frame = self.surface.frame
         return self.surface.mean_face_length / (preferred_spacings(frame.area)[0] * frame.scale)
 
+    @cached_property
+    def _lattices(self) -> dict[tuple[float, Label], Lattice]:
+        return {}
+
     def labels(self, invariants: FloatArray, *, undone: bool = False) -> tuple[Label, ...]:
         """Return the labels of the lattices that a shape of these invariants may carry, likeliest first.
 
@@ -95,8 +99,11 @@ class Search:
         return labels(invariants, self.key, LABELS[self.effort], dearest=dearest)
 
     def lattice(self, spacing: float, label: Label) -> Lattice:
-        """Return the key's lattice of this spacing and label."""
-        return Lattice.keyed(self.key, spacing, label)
+        """Return the key's lattice of this spacing and label, one for the whole search."""
+        name = spacing, label
+        if name not in self._lattices:
+            self._lattices[name] = Lattice.keyed(self.key, spacing, label)
+        return self._lattices[name]
 
     def spacings_for(self, area: float) -> Iterable[float]:
         """Return the spacings to read on a surface of this canonical area, likeliest first."""
