@@ -15,11 +15,12 @@ __all__ = ["adjacency", "mean_squared_edge", "ring_maximum", "unique_edges"]
 
 def unique_edges(faces: IntArray) -> IntArray:
     """Return (e, 2): each undirected edge once, smaller index first, sorted; a point is no edge."""
-    a, b, c = faces.T
-    start, end = np.concatenate([a, b, c]), np.concatenate([b, c, a])
-    key = np.minimum(start, end)  # becomes one sortable number for an edge, in place
-    key <<= 32
-    key |= np.maximum(start, end)
+    key = np.empty((3, len(faces)), np.int64)  # one sortable number for an edge, in place
+    for side, (start, end) in zip(key, ((0, 1), (1, 2), (2, 0)), strict=True):
+        np.minimum(faces[:, start], faces[:, end], out=side)
+        side <<= 32
+        side |= np.maximum(faces[:, start], faces[:, end])
+    key = key.ravel()
     key.sort()
     new = np.ones(len(key), bool)
     np.not_equal(key[1:], key[:-1], out=new[1:])
@@ -32,8 +33,10 @@ def unique_edges(faces: IntArray) -> IntArray:
 def adjacency(edges: IntArray, count: int) -> csr_array:
     """Return the symmetric (count, count) matrix with 1.0 at both places of each edge, indices sorted."""
     start = np.searchsorted(edges[:, 0], np.arange(count + 1)).astype(np.int32)
-    upper = csr_array((np.ones(len(edges)), edges[:, 1].astype(np.int32), start), shape=(count, count))
-    return csr_array(upper + upper.T)
+    ones = np.ones(len(edges), np.int8)  # three copies are made on the way
+    upper = csr_array((ones, edges[:, 1].astype(np.int32), start), shape=(count, count))
+    both = csr_array(upper + upper.T)
+    return csr_array((np.ones(both.nnz), both.indices, both.indptr), shape=both.shape)
 
 
 def mean_squared_edge(points: FloatArray, edges: IntArray) -> float:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-__all__ = ["blocks"]
+__all__ = ["LARGE", "blocks"]
 
 BLOCK = 1 << 15
+LARGE = 1 << 21
+"""A size of blocks for sums that depend, in their last bits, on how they are split: most models are one block."""
 
 
 def blocks(count: int, size: int = BLOCK) -> Iterator[slice]:

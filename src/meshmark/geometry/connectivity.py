@@ -11,7 +11,7 @@ from scipy.sparse import csr_array
 
 from meshmark.geometry.adjacency import adjacency, unique_edges
 from meshmark.geometry.extent import used_points
-from meshmark.geometry.scale_space import random_walk
+from meshmark.geometry.scale_space import walk_of
 from meshmark.mesh import IntArray
 
 __all__ = ["Connectivity"]
@@ -53,5 +53,5 @@ class Connectivity:
 
     @cached_property
     def walk(self) -> csr_array:
-        """(count, count) uniform random walk (`random_walk`); a point without an edge stays where it is."""
-        return random_walk(np.zeros((self.count, 3)), self.edges)
+        """(count, count) uniform random walk (`walk_of`); a point without an edge stays where it is."""
+        return walk_of(self.graph)

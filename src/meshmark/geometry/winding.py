@@ -34,6 +34,8 @@ def consistent_winding(faces: IntArray, count: int) -> IntArray:
     (m, 3) int array
         In the same order; the same array where nothing is turned over.
     """
+    if not _walked_twice(faces, count):
+        return faces
     one, other, against = face_neighbours(faces, count)
     if not against.any():
         return faces
@@ -57,6 +59,17 @@ def consistent_winding(faces: IntArray, count: int) -> IntArray:
     usable[part[as_is == over]] = False
     turned = usable[part] & (alike != (votes[part] > 0.0))
     return np.where(turned[:, None], faces[:, [0, 2, 1]], faces)
+
+
+def _walked_twice(faces: IntArray, count: int) -> bool:
+    """Return whether some edge is walked twice in the same direction: else no two faces turn against each other."""
+    walked = np.empty((3, len(faces)), np.int64)
+    for side, (start, end) in zip(walked, ((0, 1), (1, 2), (2, 0)), strict=True):
+        np.multiply(faces[:, start], count, out=side)
+        side += faces[:, end]
+    walked = walked.ravel()
+    walked.sort()
+    return bool((walked[1:] == walked[:-1]).any())
 
 
 def _graph(one: IntArray, other: IntArray, size: int) -> coo_array:

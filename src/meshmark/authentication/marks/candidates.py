@@ -184,7 +184,7 @@ def placed(points: FloatArray, found: Ways) -> Candidates:
     """Return the candidates that ways to read rings make of points (p, 3)."""
     rings, shapes, row, order, words = found.rings, found.shapes, found.row, found.order, found.words
     size = rings.around.shape[1]
-    offsets = shapes.offsets[row[:, None], order]
+    offsets = shapes.offsets(row, order)
     axes = frames(offsets, shapes.normal[row])
     base = np.einsum("rki,rk->ri", offsets, _weights(words[:, 1], size)) if shapes.style.pull else 0.0
     vertex, step = rings.vertex[row], step_of(found.level)
