@@ -16,7 +16,6 @@ from __future__ import annotations
 import argparse
 import csv
 import os
-import resource
 import subprocess
 import sys
 import tempfile
@@ -28,7 +27,7 @@ from time import monotonic
 import numpy as np
 
 from claims.models import DATA, load
-from claims.performance import KEY, used
+from claims.performance import KEY, peak, used
 from claims.princeton import read_rows
 from meshmark.geometry.weld import weld
 from meshmark.mesh import FloatArray
@@ -139,7 +138,7 @@ def run(name: str, folder: str) -> None:
     """Run one operation; print its seconds, the peak memory of its process in GB, and its answer."""
     before = used()
     answer = OPERATIONS[name].work(Path(folder))
-    print(used() - before, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20, answer)
+    print(used() - before, peak(), answer)
 
 
 def python(code: str) -> str:

@@ -58,7 +58,7 @@ def random_walk(points: FloatArray, edges: IntArray, weights: WalkWeights = "uni
 
 
 def walk_of(graph: csr_array) -> csr_array:
-    """Return the uniform random walk (p, p) on a graph (p, p) with 1.0 for each edge, whose indices it shares."""
+    """Return the uniform random walk (p, p) on a graph (p, p) with 1 for each edge, whose indices it shares."""
     return _walk(graph, graph.data, np.diff(graph.indptr))
 
 

@@ -7,8 +7,11 @@ that the two sides of a thin wall do not share functions; the kernels at a point
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import scipy.sparse as sp
+from numpy.typing import NDArray
 
 from meshmark.geometry.blocks import blocks
 from meshmark.geometry.kd_tree import kd_tree
@@ -30,7 +33,8 @@ def surface_basis(points: FloatArray, normals: FloatArray, pitch: float) -> sp.c
     points: (p, 3); normals: (p, 3) unit; pitch: distance of the nodes, in the unit of `points`.
     """
     nodes, owner = _nodes(points, normals, pitch)
-    tree, parts = kd_tree(points[nodes]), []
+    tree = kd_tree(points[nodes])
+    data, indices, counts = np.empty(0), np.empty(0, np.int32), np.empty(len(points), np.int32)
     for block in blocks(len(points), BLOCK):
         near = kd_tree(points[block]).sparse_distance_matrix(tree, REACH * pitch, output_type="ndarray")
         row, column = near["i"], near["j"]
@@ -46,22 +50,18 @@ def surface_basis(points: FloatArray, normals: FloatArray, pitch: float) -> sp.c
         values = np.concatenate([value[some], np.full(count, LEAST)])
         weights = sp.csr_array((values, (rows, columns)), shape=(count, len(nodes)))
         total = np.asarray(weights.sum(axis=1)).ravel()
-        weights.data *= np.repeat(1.0 / total, np.diff(weights.indptr))
-        parts.append(weights)
-    return _stacked(parts, len(nodes))
-
-
-def _stacked(parts: list[sp.csr_array], columns: int) -> sp.csr_array:
-    """Return some rows below others; `parts` is emptied on the way, so that all are there once."""
-    counts = np.concatenate([np.diff(part.indptr) for part in parts])
+        counts[block] = np.diff(weights.indptr)
+        _append(data, weights.data * np.repeat(1.0 / total, counts[block]))
+        _append(indices, weights.indices)
     starts = np.concatenate([[0], np.cumsum(counts, dtype=np.int64)])
-    data, indices = np.empty(starts[-1]), np.empty(starts[-1], np.int32)
-    place = 0
-    while parts:
-        part = parts.pop(0)
-        data[place : place + part.nnz], indices[place : place + part.nnz] = part.data, part.indices
-        place += part.nnz
-    return sp.csr_array((data, indices, starts), shape=(len(counts), columns))
+    return sp.csr_array((data, indices, starts), shape=(len(points), len(nodes)))
+
+
+def _append(whole: NDArray[Any], part: NDArray[Any]) -> None:
+    """Make an array longer, where it lies or where the system moves it to: never are there two of it."""
+    before = len(whole)
+    whole.resize(before + len(part), refcheck=False)
+    whole[before:] = part
 
 
 def _nodes(points: FloatArray, normals: FloatArray, pitch: float) -> tuple[IntArray, IntArray]:

@@ -54,7 +54,7 @@ def carried(found: Candidates, symbol: IntArray, plain: NDArray[np.bool_] | None
         index=found.index,
         value=symbol.astype(np.uint16),
         vertex=found.vertex,
-        ring=found.words[:, 0],
+        ring=found.name,
         centre=found.centre,
         plain=np.ones(len(symbol), bool) if plain is None else plain,
     )

@@ -190,7 +190,7 @@ def _repeated(surface: Surface, found: Candidates, holds: NDArray[np.bool_]) -> 
     point = found.vertex[rows]
     point = surface.original[point] if isinstance(surface, Shown) else point
     pairs, place = np.unique(
-        np.stack([found.words[rows, 0], point.astype(np.uint64)], axis=1), axis=0, return_inverse=True
+        np.stack([found.name[rows], point.astype(np.uint64)], axis=1), axis=0, return_inverse=True
     )
     _, ring, times = np.unique(pairs[:, 0], return_inverse=True, return_counts=True)
     repeated[rows] = (times[ring] > 1)[place.reshape(-1)]

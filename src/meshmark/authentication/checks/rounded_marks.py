@@ -64,7 +64,7 @@ def unread_when_rounded(
     def read(found: Candidates) -> tuple[IntArray, FloatArray]:
         """Return the points of candidates in rings as they were made, and how far off their places they lie."""
         row = row_of[found.vertex]
-        same = np.flatnonzero(found.words[:, 0] == plan.found.words[row, 0])
+        same = np.flatnonzero(found.name == plan.found.name[row])
         return found.vertex[same], np.abs(found.place[same] - marked.place[row[same]]).max(axis=1)
 
     vertex, off = read(joined([plain_candidates(rounded, *part, setting, subkey) for part in parts]))

@@ -27,10 +27,10 @@ def bind(found: Candidates, key: Key, nonce: int | NDArray[np.uint64] | None) ->
 
     nonce: of all, or (c,) of each. Without one the others are meaningless.
     """
-    bound = found.words[:, 3:6].copy()
+    bound = found.words[:, :3].copy()
     rows = np.flatnonzero(found.kind != HEADER)
     if nonce is not None and len(rows):
-        ring = found.words[rows][:, [0, 3, 4]].view(np.int64)
+        ring = np.column_stack([found.name[rows], found.words[rows, :2]]).view(np.int64)
         model = np.broadcast_to(np.asarray(nonce, np.uint64), len(bound))[rows, None].view(np.int64)
         bound[rows] = cell_words(key.subkey(_BOUND), np.concatenate([model, ring], axis=1), 3)
     return bound
