@@ -22,6 +22,9 @@ __all__ = ["PlanePatches"]
 _ANGLE, _OFF = 1e-6, 1e-7
 # Fewer points always lie in a plane.
 _LEAST = 4
+# The points of a patch of this RMS radius over the diagonal lie as near to a plane on a sphere as large as the model.
+# On meshes of more than this number of points smaller ones are everywhere, and say nothing.
+_RADIUS, _FINE = 6e-4, 1_000_000
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -73,8 +76,11 @@ class PlanePatches:
         code = np.unique(np.repeat(label, 3) * len(points) + faces[beside].ravel())
         pairs = np.stack(np.divmod(code, max(len(points), 1)), axis=1)
         sizes = np.bincount(pairs[:, 0], minlength=count)
-        off = np.sqrt(_square_off(points[pairs[:, 1]], pairs[:, 0], count) / np.maximum(sizes, 1))
+        places = points[pairs[:, 1]]
+        off = np.sqrt(_square_off(places, pairs[:, 0], count) / np.maximum(sizes, 1))
         kept = (sizes >= _LEAST) & (off <= _OFF)
+        if len(points) > _FINE:
+            kept &= _radius(places, pairs[:, 0], count) >= _RADIUS
         rows = kept[pairs[:, 0]]
         share = float(area[beside[kept[label]]].sum() / max(area.sum(), np.finfo(float).tiny))
         inside = np.zeros(len(points), bool)
@@ -88,6 +94,16 @@ class PlanePatches:
         places = points[self.point] / self.diagonal
         square = _square_off(places, self.patch, int(self.patch.max()) + 1)
         return float(np.sqrt(square.sum() / len(self.point))) * self.diagonal
+
+
+def _radius(places: FloatArray, patch: IntArray, count: int) -> FloatArray:
+    """Return (count,): the RMS distance of places (n, 3) from the middle of each patch (n,)."""
+    size = np.maximum(np.bincount(patch, minlength=count), 1)
+    square = np.zeros(count)
+    for axis in places.T:
+        middle = np.bincount(patch, axis, count) / size
+        square += np.bincount(patch, (axis - middle[patch]) ** 2, count) / size
+    return np.asarray(np.sqrt(square))
 
 
 def _in_unit_box(points: FloatArray, faces: IntArray) -> tuple[FloatArray, float]:

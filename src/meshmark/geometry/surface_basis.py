@@ -7,13 +7,10 @@ that the two sides of a thin wall do not share functions; the kernels at a point
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 
-from meshmark.geometry.blocks import blocks
+from meshmark.geometry.blocks import append, blocks
 from meshmark.geometry.kd_tree import kd_tree
 from meshmark.mesh import FloatArray, IntArray
 
@@ -51,17 +48,10 @@ def surface_basis(points: FloatArray, normals: FloatArray, pitch: float) -> sp.c
         weights = sp.csr_array((values, (rows, columns)), shape=(count, len(nodes)))
         total = np.asarray(weights.sum(axis=1)).ravel()
         counts[block] = np.diff(weights.indptr)
-        _append(data, weights.data * np.repeat(1.0 / total, counts[block]))
-        _append(indices, weights.indices)
+        append(data, weights.data * np.repeat(1.0 / total, counts[block]))
+        append(indices, weights.indices)
     starts = np.concatenate([[0], np.cumsum(counts, dtype=np.int64)])
     return sp.csr_array((data, indices, starts), shape=(len(points), len(nodes)))
-
-
-def _append(whole: NDArray[Any], part: NDArray[Any]) -> None:
-    """Make an array longer, where it lies or where the system moves it to: never are there two of it."""
-    before = len(whole)
-    whole.resize(before + len(part), refcheck=False)
-    whole[before:] = part
 
 
 def _nodes(points: FloatArray, normals: FloatArray, pitch: float) -> tuple[IntArray, IntArray]:

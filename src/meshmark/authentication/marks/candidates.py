@@ -5,6 +5,7 @@ Every candidate counts as a try.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, fields, replace
 from itertools import product
 from typing import Final
@@ -35,7 +36,7 @@ from meshmark.authentication.parameters import (
     Layout,
 )
 from meshmark.coding.keyed import unit_interval
-from meshmark.geometry.blocks import blocks
+from meshmark.geometry.blocks import append, blocks
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = [
@@ -87,14 +88,15 @@ class Beside:
         return Beside(row=self.row[rows], whole=self.whole[rows])
 
 
-def joined(parts: list[Candidates]) -> Candidates:
-    """Return the candidates of several lists, at least one, in one."""
-    return Candidates(
-        **{
-            field.name: np.concatenate([getattr(part, field.name) for part in parts])
-            for field in fields(Candidates)
-        }
-    )
+def joined(parts: Iterable[Candidates]) -> Candidates:
+    """Return the candidates of several lists, at least one, in one; of an iterator there is one part at a time."""
+    remaining = iter(parts)
+    first = next(remaining)
+    whole = {field.name: getattr(first, field.name).copy() for field in fields(Candidates)}
+    for part in remaining:
+        for name, values in whole.items():
+            append(values, getattr(part, name))
+    return Candidates(**whole)
 
 
 def as_laid_out(found: Candidates, layout: Layout) -> Candidates:
