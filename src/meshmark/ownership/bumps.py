@@ -81,9 +81,15 @@ def _product_means(points: FloatArray, faces: IntArray, pair: tuple[int, int]) -
     """Return (m,): the mean over each face of the product of two coordinates."""
     out = np.empty(len(faces))
     for part in blocks(len(faces)):
-        one, other = (points[:, axis].take(faces[part].T) for axis in pair)
+        corners = _by_axis(points, faces[part])
+        one, other = (corners[axis] for axis in pair)
         out[part] = ((one * other).sum(axis=0) + 9.0 * one.mean(axis=0) * other.mean(axis=0)) / 12.0
     return out
+
+
+def _by_axis(values: FloatArray, faces: IntArray) -> FloatArray:
+    """Return (3, 3, m): for each axis and corner the values (p, 3) at the faces."""
+    return np.ascontiguousarray(np.moveaxis(values.take(faces.T, axis=0), 2, 0))
 
 
 def _frame_changes(
@@ -93,7 +99,7 @@ def _frame_changes(
 
     moving: points and their normals; whole: the means of the products over all faces.
     """
-    ends, turns = ([values[:, axis].take(faces.T) for axis in range(3)] for values in moving)
+    ends, turns = (list(_by_axis(values, faces)) for values in moving)
     vectors = area_vectors(moving[0], faces)
     units = (vectors / np.where(areas > 0.0, areas, 1.0)[:, None]).T
     middles = [end.mean(axis=0) for end in ends]
