@@ -62,9 +62,9 @@ COMMANDS = {
 }
 ALONE = {
     "authenticate_speed", "batch_runs", "by_hand", "coarse", "compressed_gltf", "costa", "crops_and_mosaics",
-    "false_alarms", "hostile", "large_models", "lattice_labels", "original_recovery", "parts_of_assemblies", "performance",
-    "princeton", "published", "registration", "rivals_sanity", "same_behaviour", "security", "sizing",
-    "web_exports",
+    "false_alarms", "hostile", "large_models", "lattice_labels", "original_recovery", "parts_of_assemblies",
+    "performance", "princeton", "published", "registration", "rivals_sanity", "same_behaviour", "security",
+    "sizing", "web_exports",
 }  # fmt: skip
 
 

@@ -6,7 +6,16 @@ import numpy as np
 import pytest
 
 from meshmark.authentication.marks import ring_shapes, rings
-from meshmark.geometry import areas, blocks, face_neighbours, frame, invariants, sampling, stiffness, surface_basis
+from meshmark.geometry import (
+    areas,
+    blocks,
+    face_neighbours,
+    frame,
+    invariants,
+    sampling,
+    stiffness,
+    surface_basis,
+)
 from meshmark.geometry.blocks import append
 from meshmark.geometry.corners import corners_of_points
 from meshmark.ownership import bumps
@@ -32,7 +41,10 @@ EXACT = {
         face_neighbours,
         lambda: np.column_stack(face_neighbours.face_neighbours(FACES, len(POINTS))),
     ),
-    "rings": (rings, lambda: np.concatenate([g.around.ravel() for g in rings.ordered_rings(FACES, len(POINTS))])),
+    "rings": (
+        rings,
+        lambda: np.concatenate([g.around.ravel() for g in rings.ordered_rings(FACES, len(POINTS))]),
+    ),
     "shapes": (
         ring_shapes,
         lambda: np.concatenate(
@@ -82,7 +94,7 @@ def test_the_corners_of_a_point_come_in_the_order_of_the_faces():
     starts, face, slot = corners_of_points(FACES, len(POINTS))
     for point in range(0, len(POINTS), 50):
         part = slice(starts[point], starts[point + 1])
-        rows, columns = np.nonzero(FACES == point)
+        rows, columns = np.nonzero(point == FACES)
         np.testing.assert_array_equal(face[part], rows)
         np.testing.assert_array_equal(slot[part], columns)
 

@@ -20,12 +20,12 @@ def unique_edges(faces: IntArray) -> IntArray:
         np.minimum(faces[:, start], faces[:, end], out=side)
         side <<= 32
         side |= np.maximum(faces[:, start], faces[:, end])
-    key = key.ravel()
-    key.sort()
-    new = np.ones(len(key), bool)
-    np.not_equal(key[1:], key[:-1], out=new[1:])
-    key = key[new]
-    edges = np.stack([key >> 32, key & 0xFFFFFFFF], axis=1)
+    flat = key.reshape(-1)
+    flat.sort()
+    new = np.ones(len(flat), bool)
+    np.not_equal(flat[1:], flat[:-1], out=new[1:])
+    flat = flat[new]
+    edges = np.stack([flat >> 32, flat & 0xFFFFFFFF], axis=1)
     proper = edges[:, 0] != edges[:, 1]
     return edges if proper.all() else edges[proper]
 

@@ -50,7 +50,7 @@ class Connectivity:
 
     @cached_property
     def graph(self) -> csr_array:
-        """(count, count) symmetric sparse matrix with 1 at both places of each edge, int8, which takes least room."""
+        """(count, count) symmetric sparse int8 matrix with 1 at both places of each edge."""
         return joined(unique_edges(self.faces), self.count)
 
     @cached_property

@@ -11,9 +11,7 @@ from meshmark.mesh import IntArray
 __all__ = ["corners_of_points"]
 
 
-def corners_of_points(
-    points: IntArray, count: int
-) -> tuple[IntArray, NDArray[np.int32], NDArray[np.int8]]:
+def corners_of_points(points: IntArray, count: int) -> tuple[IntArray, NDArray[np.int32], NDArray[np.int8]]:
     """Return the corners of faces by the point that each has, in the order of the faces.
 
     Parameters

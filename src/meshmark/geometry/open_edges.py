@@ -69,14 +69,14 @@ def open_edges(faces: IntArray, count: int) -> tuple[IntArray, IntArray, FloatAr
         side += np.maximum(faces[:, start], faces[:, end])
         side <<= 1
         side |= faces[:, start] < faces[:, end]
-    name = name.ravel()
-    name.sort()
-    way = (2 * (name & 1) - 1).astype(np.int8)
-    name >>= 1
-    new = np.ones(len(name), bool)
-    np.not_equal(name[1:], name[:-1], out=new[1:])
+    flat = name.reshape(-1)
+    flat.sort()
+    way = (2 * (flat & 1) - 1).astype(np.int8)
+    flat >>= 1
+    new = np.ones(len(flat), bool)
+    np.not_equal(flat[1:], flat[:-1], out=new[1:])
     first = np.flatnonzero(new)
     excess = np.add.reduceat(way, first, dtype=np.int64) if len(first) else np.zeros(0, np.int64)
     is_open = np.flatnonzero(excess)
-    starts, ends = np.divmod(name[first[is_open]], count)
+    starts, ends = np.divmod(flat[first[is_open]], count)
     return starts, ends, excess[is_open].astype(np.float64)

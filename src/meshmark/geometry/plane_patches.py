@@ -22,7 +22,7 @@ __all__ = ["PlanePatches"]
 _ANGLE, _OFF = 1e-6, 1e-7
 # Fewer points always lie in a plane.
 _LEAST = 4
-# The points of a patch of this RMS radius over the diagonal lie as near to a plane on a sphere as large as the model.
+# The points of a patch of this RMS radius over the diagonal are as plane on a sphere as large as the model.
 # On meshes of more than this number of points smaller ones are everywhere, and say nothing.
 _RADIUS, _FINE = 6e-4, 1_000_000
 

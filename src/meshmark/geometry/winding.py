@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse import coo_array
 
+from meshmark.arrays import AnyIntArray, IntArray
 from meshmark.geometry.components import connected_components
 from meshmark.geometry.face_neighbours import face_neighbours
-from meshmark.mesh import IntArray
 
 __all__ = ["consistent_winding"]
 
@@ -67,10 +67,10 @@ def _walked_twice(faces: IntArray, count: int) -> bool:
     for side, (start, end) in zip(walked, ((0, 1), (1, 2), (2, 0)), strict=True):
         np.multiply(faces[:, start], count, out=side)
         side += faces[:, end]
-    walked = walked.ravel()
-    walked.sort()
-    return bool((walked[1:] == walked[:-1]).any())
+    flat = walked.reshape(-1)
+    flat.sort()
+    return bool((flat[1:] == flat[:-1]).any())
 
 
-def _graph(one: IntArray, other: IntArray, size: int) -> coo_array:
+def _graph(one: AnyIntArray, other: AnyIntArray, size: int) -> coo_array:
     return coo_array((np.ones(len(one), np.int8), (one, other)), shape=(size, size))

@@ -166,9 +166,7 @@ class Bumps:
         energy = _energy(self.basis, visible)
         del visible
         energy[np.diag_indices_from(energy)] += LIFT * float(np.median(energy.diagonal()))
-        onto = np.hstack(
-            [self.basis.T @ (lattice.spacing * frame.T), (self.basis.T @ offsets.T).toarray()]
-        )
+        onto = np.hstack([self.basis.T @ (lattice.spacing * frame.T), (self.basis.T @ offsets.T).toarray()])
         del frame, offsets
         factor = cho_factor(energy, overwrite_a=True, check_finite=False)
         self._heights = cho_solve(factor, onto, check_finite=False)

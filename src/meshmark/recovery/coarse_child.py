@@ -1,4 +1,4 @@
-"""The process in which fast-simplification works on a large model: arrays in on standard input, out on standard output.
+"""The process in which fast-simplification works on a large model: arrays on standard input and output.
 
 A program of its own rather than a forked worker: it starts clean whatever threads the caller holds, and needs no
 guard in the caller's main file.

@@ -93,10 +93,16 @@ def _in_a_child(points: FloatArray, faces: NDArray[np.int32], target: int) -> tu
             np.save(sent, array)
         sent.seek(0)
         code = subprocess.run(
-            [sys.executable, "-P", str(CHILD)], stdin=sent, stdout=received, stderr=subprocess.DEVNULL, check=False
+            [sys.executable, "-P", str(CHILD)],
+            stdin=sent,
+            stdout=received,
+            stderr=subprocess.DEVNULL,
+            check=False,
         ).returncode
         if code:
-            raise CapacityError(f"a miniature of the model cannot be made: its simplification ended with {code}")
+            raise CapacityError(
+                f"a miniature of the model cannot be made: its simplification ended with {code}"
+            )
         received.seek(0)
         return np.load(received), np.load(received)
 

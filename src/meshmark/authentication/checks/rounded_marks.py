@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from meshmark.arrays import AnyIntArray
 from meshmark.authentication.checks.ring_reading import window_of
 from meshmark.authentication.checks.setting_search import Setting, all_candidates, plain_candidates
 from meshmark.authentication.checks.sweep import NEAR, ROUNDED, able_rings, vouched
@@ -20,7 +21,7 @@ from meshmark.authentication.marks.rings_of import rings_of
 from meshmark.authentication.marks.words import PURPOSE
 from meshmark.authentication.parameters import Style
 from meshmark.coding.keys import Key
-from meshmark.mesh import FloatArray, IntArray
+from meshmark.mesh import FloatArray
 
 __all__ = ["unread_when_rounded"]
 
@@ -61,7 +62,7 @@ def unread_when_rounded(
     subkey = key.subkey(PURPOSE)
     held = np.zeros(count, bool)
 
-    def read(found: Candidates) -> tuple[IntArray, FloatArray]:
+    def read(found: Candidates) -> tuple[AnyIntArray, FloatArray]:
         """Return the points of candidates in rings as they were made, and how far off their places they lie."""
         row = row_of[found.vertex]
         same = np.flatnonzero(found.name == plan.found.name[row])

@@ -46,7 +46,7 @@ __all__ = [
 
 _TINY: Final = 1e-300
 BINDING: Final = slice(3, 7)
-"""Which of a ring's keyed numbers its symbol is bound by: factor, summand, mask and a direction; others place it."""
+"""Which of a ring's keyed numbers bind its symbol: factor, summand, mask and a direction; others place it."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -40,7 +40,9 @@ def independent_points(edges: IntArray, eligible: NDArray[np.bool_], chance: Flo
     seeds = seeds[np.argsort(chance[seeds])]
     graph = joined(edges[eligible[edges].all(axis=1)], len(eligible))
     # Arrays of numbers as they stand: a tenth of the room that a list of objects takes.
-    start, neighbours = (array("i", values.astype(np.int32).tobytes()) for values in (graph.indptr, graph.indices))
+    start, neighbours = (
+        array("i", values.astype(np.int32).tobytes()) for values in (graph.indptr, graph.indices)
+    )
     chosen[_grow(seeds.tolist(), start, neighbours)] = True
     return chosen
 

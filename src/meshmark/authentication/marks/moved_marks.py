@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 
+from meshmark.arrays import AnyIntArray
 from meshmark.authentication.marks.candidates import level_of
 from meshmark.authentication.marks.ring_shapes import RingShapes, frames, ring_shapes
 from meshmark.authentication.marks.ring_ways import step_of
 from meshmark.authentication.marks.rings_of import rings_of
 from meshmark.authentication.parameters import Style
 from meshmark.geometry.surface import Surface
-from meshmark.mesh import FloatArray, IntArray
+from meshmark.mesh import FloatArray
 
 __all__ = ["moved_marks"]
 
 
 def moved_marks(
-    surface: Surface, unit: float, style: Style, marks: IntArray, change: FloatArray
+    surface: Surface, unit: float, style: Style, marks: AnyIntArray, change: FloatArray
 ) -> FloatArray:
     """Return the points of a surface with those of marks moved.
 

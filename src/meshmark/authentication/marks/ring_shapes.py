@@ -11,6 +11,7 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from meshmark.arrays import AnyIntArray
 from meshmark.authentication.marks.rings import Rings
 from meshmark.authentication.parameters import FINE, Style
 from meshmark.geometry.blocks import blocks
@@ -53,7 +54,7 @@ class RingShapes:
         """Return these rows."""
         return replace(self, **{name: getattr(self, name)[rows] for name in ("around", *_MEASURED)})
 
-    def offsets(self, rows: IntArray | slice, order: IntArray | None = None) -> FloatArray:
+    def offsets(self, rows: AnyIntArray | slice, order: AnyIntArray | None = None) -> FloatArray:
         """Return (n, k, 3): the neighbours of some rings less the centre, in units of the size.
 
         order: (n, k) in which to take them. They would take more room than all else, and are quickly made.
@@ -64,7 +65,9 @@ class RingShapes:
         return offsets
 
 
-_MEASURED = tuple(field.name for field in fields(RingShapes) if field.name not in ("points", "around", "style"))
+_MEASURED = tuple(
+    field.name for field in fields(RingShapes) if field.name not in ("points", "around", "style")
+)
 
 
 def ring_shapes(points: FloatArray, rings: Rings, style: Style = FINE) -> RingShapes:

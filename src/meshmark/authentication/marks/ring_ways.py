@@ -13,6 +13,7 @@ from typing import Final, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from meshmark.arrays import AnyIntArray
 from meshmark.authentication.marks.ring_shapes import RingShapes, starts
 from meshmark.authentication.marks.rings import Rings
 from meshmark.authentication.parameters import AMBIGUOUS, HASH_STEP, HASH_STEPS
@@ -62,7 +63,7 @@ class Hash(Protocol):
         """Return the numbers (n, WORDS) of rings as they were read (n, 2 + 2k), lengths in units `cell` (n,)."""
 
 
-def step_of(level: IntArray) -> FloatArray:
+def step_of(level: AnyIntArray) -> FloatArray:
     """Return the steps (r,) of levels, in units of the ring size."""
     return np.asarray(2.0 ** (-np.asarray(level, np.float64) / 2.0))
 

@@ -100,12 +100,15 @@ def _rings(
         vertex = np.flatnonzero(good & (corners + ends == size))
         if len(vertex):
             around, whole = _walk(first[vertex], following, start, end, ends[vertex] == 1, size=size)
-            vertex, around = vertex[whole], around[whole].astype(np.int32)
+            vertex, around = vertex[whole], around[whole]
             if len(vertex):
                 none = np.zeros((0, size), bool)
                 rings.append(
                     Rings(
-                        vertex=points.start + vertex, around=around, open=ends[vertex] == 1, boundary=none
+                        vertex=points.start + vertex,
+                        around=around.astype(np.int32),
+                        open=ends[vertex] == 1,
+                        boundary=none,
                     )
                 )
     return good & (ends == 0), rings
