@@ -3,8 +3,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from meshmark.errors import CapacityError
-from meshmark.recovery import simplify as simplify_module
 from meshmark.recovery.borders import border_edges
 from meshmark.recovery.simplify import simplify
 from tests.recovery.surfaces import area, euler, grid, off, turned_first
@@ -88,21 +86,3 @@ def test_where_it_lies_and_how_large_it_is_does_not_matter():
     assert len(moved) == len(few)
     assert off(64.0 * few + [128.0, -256.0, 64.0], small, moved).max() < 64.0 * 0.1
     assert euler(others) == euler(small) == 2
-
-
-def test_a_large_model_is_simplified_to_the_same_in_a_process_of_its_own(monkeypatch):
-    points, faces = pebble(60)
-    here = simplify_module.simplify(points, faces, 150)
-    monkeypatch.setattr(simplify_module, "LARGE", 100)
-    there = simplify_module.simplify(points, faces, 150)
-    np.testing.assert_array_equal(there[0], here[0])
-    np.testing.assert_array_equal(there[1], here[1])
-
-
-def test_a_process_that_fails_is_said_so(monkeypatch, tmp_path):
-    failing = tmp_path / "child.py"
-    failing.write_text("raise SystemExit(3)")
-    monkeypatch.setattr(simplify_module, "LARGE", 100)
-    monkeypatch.setattr(simplify_module, "CHILD", failing)
-    with pytest.raises(CapacityError, match="ended with 3"):
-        simplify_module.simplify(*pebble(60), 150)

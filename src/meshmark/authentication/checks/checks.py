@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from meshmark.arrays import AnyIntArray
+from meshmark.arrays import AnyIntArray, FloatArray, IntArray
 from meshmark.authentication.checks.carried import Carried, Expected, carried
 from meshmark.authentication.checks.in_place import in_place
 from meshmark.authentication.checks.model_frame import ModelFrame, Scale, evidence_of
@@ -24,7 +24,6 @@ from meshmark.coding.keys import Key
 from meshmark.geometry.components import connected_parts
 from meshmark.geometry.shown import Shown
 from meshmark.geometry.surface import Surface
-from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["Checks", "check", "shapes_of"]
 
