@@ -72,7 +72,7 @@ def unread_when_rounded(
     # As a sweep does, which tries the next whole places, too, where the file was rounded to few digits.
     near = off[off < 0.5]
     coarse = len(near) > 0 and float(np.median(near)) > ROUNDED
-    within = 1.0 - NEAR if coarse else min(0.5, window_of(near, plan.layout))
+    within = min(1.0 - NEAR if coarse else 0.5, window_of(near, plan.layout))
     held[vertex[off <= within]] = True
     missed = [np.flatnonzero(~held[group.vertex]) for group, _ in parts]
     if any(len(rows) for rows in missed):
