@@ -135,9 +135,10 @@ def _chebyshev_sums(walk: csr_array, values: FloatArray, factors: FloatArray) ->
     rows = list(sums.reshape(len(sums), -1))
     now = walk @ before
     _add_up(rows, now.reshape(-1), factors[:, 1].tolist())
-    steps = (-2.0 * walk.data, 2.0 * walk.data)
+    step = 2.0 * walk.data
     for m, column in enumerate(factors.T[2:].tolist()):
-        _add_product(walk, steps[m % 2], now, before)
+        np.negative(step, out=step)
+        _add_product(walk, step, now, before)
         before, now = now, before
         _add_up(rows, now.reshape(-1), column if m % 4 > 1 else [-factor for factor in column])
     return sums
