@@ -85,5 +85,5 @@ def test_marks_fail_as_in_a_check_where_a_part_is_rounded_more_than_the_rest(pla
     passed = check(weld(Mesh(points, planned.surface.faces)), KEY, ID).passed
     missed = planned.marks[~passed[planned.marks]]
     assert len(missed) > 40
-    assert failing[missed].mean() >= 0.9
+    assert failing[missed].mean() >= 0.8
     assert failing.sum() <= 1.1 * len(missed)
