@@ -30,6 +30,7 @@ COMMANDS = {
     "false_positives": "docs/results/false-positives.md",
     "gltf_validity": "docs/claims.md",
     "hostile": "docs/decisions/0016-odd-files.md",
+    "large_models": "docs/performance.md",
     "lattice_labels": "docs/decisions/0020-one-lattice-per-model.md",
     "marks": "docs/decisions/0008-authentication-marks.md",
     "metrics_validation": "docs/decisions/0005-metrics.md",
@@ -61,9 +62,9 @@ COMMANDS = {
 }
 ALONE = {
     "authenticate_speed", "batch_runs", "by_hand", "coarse", "compressed_gltf", "costa", "crops_and_mosaics",
-    "false_alarms", "hostile", "lattice_labels", "original_recovery", "parts_of_assemblies", "performance",
-    "princeton", "published", "registration", "rivals_sanity", "same_behaviour", "security", "sizing",
-    "web_exports",
+    "false_alarms", "hostile", "large_models", "lattice_labels", "original_recovery", "parts_of_assemblies",
+    "performance", "princeton", "published", "registration", "rivals_sanity", "same_behaviour", "security",
+    "sizing", "web_exports",
 }  # fmt: skip
 
 

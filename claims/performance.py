@@ -103,17 +103,22 @@ class Cost:
 
 
 def used() -> float:
-    """User and system seconds of this process so far."""
-    usage = resource.getrusage(resource.RUSAGE_SELF)
-    return usage.ru_utime + usage.ru_stime
+    """User and system seconds of this process and of those it waited for so far."""
+    both = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    return sum(usage.ru_utime + usage.ru_stime for usage in both)
 
 
 def run(name: str, folder: str) -> None:
     """Run one operation and print its seconds, those of the whole process, and its peak memory in GB."""
     before = used()
     OPERATIONS[name].work(Path(folder))
-    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
-    print(used() - before, used(), memory)
+    print(used() - before, used(), peak())
+
+
+def peak() -> float:
+    """Return the most GB that this process has taken, or that a process of its own has, whichever is more."""
+    both = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    return max(usage.ru_maxrss for usage in both) / 2**20
 
 
 def measured(name: str, folder: Path) -> Cost:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from meshmark.coding.keyed import rotation
+from meshmark.geometry import plane_patches
 from meshmark.geometry.plane_patches import PlanePatches
 from tests.low_poly import ball, box, frustum, prism
 from tests.shapes import pebble
@@ -56,3 +57,13 @@ def test_the_distance_is_that_of_the_fitted_planes():
 def test_nothing_has_no_planes():
     found = PlanePatches.of(np.zeros((0, 3)), np.zeros((0, 3), np.int64))
     assert (found.share, found.off_plane(np.zeros((0, 3)))) == (0.0, 0.0)
+
+
+def test_on_a_mesh_of_millions_of_points_tiny_patches_say_nothing(monkeypatch):
+    points, faces = box((6, 5, 4), (3.0, 2.0, 1.3))
+    both = np.concatenate([points, 1e-4 * points + 1.0]), np.concatenate([faces, faces + len(points)])
+    assert len(np.unique(PlanePatches.of(*both).patch)) == 12
+    monkeypatch.setattr(plane_patches, "_FINE", 0)
+    found = PlanePatches.of(*both)
+    assert len(np.unique(found.patch)) == 6
+    assert not found.points[len(points) :].any()

@@ -54,7 +54,7 @@ def test_a_miniature_is_simplified_by_the_library_once_and_coded_about_once(size
     """Of the walks over a mesh one estimates the size; a second whole one corrects the first, a third is rare."""
     points, faces = pebble(100)
     with (
-        patch.object(simplify_module, "_coarse", wraps=simplify_module._coarse) as library,
+        patch.object(simplify_module, "coarse_surface", wraps=simplify_module.coarse_surface) as library,
         patch.object(miniature_module, "estimated_size", wraps=miniature_module.estimated_size) as estimates,
         patch.object(miniature_module, "encode_mesh", wraps=miniature_module.encode_mesh) as whole,
     ):

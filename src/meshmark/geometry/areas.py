@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse import csc_array
 
 from meshmark.geometry.blocks import blocks
 from meshmark.mesh import FloatArray, IntArray
 
+try:  # what scipy itself multiplies with; called directly it adds onto an array instead of making a new one
+    from scipy.sparse._sparsetools import csc_matvecs
+except ImportError:  # it is private and may move
+    csc_matvecs = None  # type: ignore[assignment]
+
 __all__ = [
+    "add_at_points",
+    "area_fluxes",
     "area_vectors",
     "face_areas",
     "face_lengths",
@@ -37,15 +43,32 @@ def area_vectors(points: FloatArray, faces: IntArray) -> FloatArray:
 
 def face_areas(points: FloatArray, faces: IntArray) -> FloatArray:
     """Return (m,): the area of each face."""
-    return _lengths(area_vectors(points, faces))
+    areas = np.empty(len(faces))
+    for part in blocks(len(faces)):
+        areas[part] = _lengths(area_vectors(points, faces[part]))
+    return areas
 
 
 def sum_at_points(values: FloatArray, faces: IntArray, count: int) -> FloatArray:
     """Return (count,) or (count, k): at each point the sum of `values` (m,) or (m, k) of the faces there."""
-    starts = np.arange(0, faces.size + 1, 3, dtype=np.int32)  # the index type scipy would convert to
-    corners = faces.ravel().astype(np.int32)
-    at = csc_array((np.ones(faces.size), corners, starts), shape=(count, len(faces)))
-    return np.asarray(at @ values)
+    sums = np.zeros((count, *values.shape[1:]))
+    for part in blocks(len(faces)):
+        add_at_points(sums, values[part], faces[part])
+    return sums
+
+
+def add_at_points(sums: FloatArray, values: FloatArray, faces: IntArray) -> None:
+    """Add `values` (m,) or (m, k) of faces (m, c) to `sums` (p,) or (p, k) at each of their points, in order.
+
+    Face by face: the sums are the same, bit by bit, however many faces are added at a time.
+    """
+    starts = np.arange(0, faces.size + 1, faces.shape[1], dtype=np.int32)  # the type scipy would convert to
+    corners, ones = faces.ravel().astype(np.int32), np.ones(faces.size)
+    if csc_matvecs is None:
+        np.add.at(sums, faces, values[:, None])
+    else:
+        columns, given = sums.size // max(len(sums), 1), np.ascontiguousarray(values, np.float64).reshape(-1)
+        csc_matvecs(len(sums), len(faces), columns, starts, corners, ones, given, sums.reshape(-1))
 
 
 def vertex_areas(points: FloatArray, faces: IntArray) -> FloatArray:
@@ -65,7 +88,7 @@ def face_lengths(points: FloatArray, faces: IntArray) -> FloatArray:
 
 def vertex_normals(points: FloatArray, faces: IntArray) -> FloatArray:
     """Return (p, 3): unit normals, area-weighted over the faces at each point; zeros where they cancel."""
-    return _unit(sum_at_points(area_vectors(points, faces), faces, len(points)))
+    return _unit(vertex_area_sums(points, faces)[1])
 
 
 def vertex_areas_and_normals(points: FloatArray, faces: IntArray) -> tuple[FloatArray, FloatArray]:
@@ -76,12 +99,18 @@ def vertex_areas_and_normals(points: FloatArray, faces: IntArray) -> tuple[Float
 
 def vertex_area_sums(points: FloatArray, faces: IntArray) -> tuple[FloatArray, FloatArray]:
     """Return `vertex_areas` (p,), and the sum (p, 3) of the area vectors of the faces at each point."""
-    vectors = area_vectors(points, faces)
-    both = np.empty((len(faces), 4))
-    both[:, :3] = vectors
-    both[:, 3] = _lengths(vectors)
-    sums = sum_at_points(both, faces, len(points))
+    sums = np.zeros((len(points), 4))
+    for part in blocks(len(faces)):
+        add_at_points(sums, area_fluxes(points, faces[part]), faces[part])
     return sums[:, 3] / 3.0, sums[:, :3]
+
+
+def area_fluxes(points: FloatArray, faces: IntArray) -> FloatArray:
+    """Return (m, 4): the area vector of each face, and its area."""
+    both = np.empty((len(faces), 4))
+    both[:, :3] = area_vectors(points, faces)
+    both[:, 3] = _lengths(both[:, :3])
+    return both
 
 
 def _unit(vectors: FloatArray) -> FloatArray:

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from meshmark.geometry.adjacency import adjacency, unique_edges
+from meshmark.geometry.adjacency import joined, unique_edges
 from meshmark.geometry.extent import used_points
-from meshmark.geometry.scale_space import random_walk
+from meshmark.geometry.scale_space import walk_of
 from meshmark.mesh import IntArray
 
 __all__ = ["Connectivity"]
@@ -44,14 +44,16 @@ class Connectivity:
     @cached_property
     def edges(self) -> IntArray:
         """(e, 2) each undirected edge once, smaller index first, sorted."""
-        return unique_edges(self.faces)
+        start, end = np.repeat(np.arange(self.count), np.diff(self.graph.indptr)), self.graph.indices
+        upper = start < end
+        return np.stack([start[upper], end[upper]], axis=1)
 
     @cached_property
     def graph(self) -> csr_array:
-        """(count, count) symmetric sparse matrix with 1.0 at both places of each edge."""
-        return adjacency(self.edges, self.count)
+        """(count, count) symmetric sparse int8 matrix with 1 at both places of each edge."""
+        return joined(unique_edges(self.faces), self.count)
 
     @cached_property
     def walk(self) -> csr_array:
-        """(count, count) uniform random walk (`random_walk`); a point without an edge stays where it is."""
-        return random_walk(np.zeros((self.count, 3)), self.edges)
+        """(count, count) uniform random walk (`walk_of`); a point without an edge stays where it is."""
+        return walk_of(self.graph)

@@ -14,6 +14,7 @@ import numpy as np
 
 from meshmark.errors import InputError
 from meshmark.geometry.areas import face_areas, sum_at_points
+from meshmark.geometry.blocks import LARGE, blocks
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["MIRROR", "Frame", "canonical_frame", "frame_alternatives", "signed_axes", "surface_moments"]
@@ -78,28 +79,37 @@ def surface_moments(
     shares = areas / total
     lumped = sum_at_points(shares, faces, len(points))
     centre = lumped @ points / 3.0
-    arm = points - centre
-    middle = _corner_sum(arm, faces)
-    second = arm.T @ (arm * lumped[:, None]) + middle @ (middle * shares).T
+    second = np.zeros((3, 3))
+    for part in blocks(len(points), LARGE):
+        arm = points[part] - centre
+        second += arm.T @ (arm * lumped[part, None])
+    for part in blocks(len(faces), LARGE):
+        middle = _corner_sum(points, centre, faces[part])
+        second += middle @ (middle * shares[part]).T
     return total, centre, second / 12.0
 
 
-def _corner_sum(points: FloatArray, faces: IntArray) -> FloatArray:
-    """Return (3, m): the sum of the three corners of each face, axis by axis."""
-    corners = np.ascontiguousarray(faces.T)
-    return np.stack([axis.take(corners).sum(axis=0) for axis in np.ascontiguousarray(points.T)])
+def _corner_sum(points: FloatArray, centre: FloatArray, faces: IntArray) -> FloatArray:
+    """Return (3, m): the sum of the three corners of each face, less the centre each, axis by axis."""
+    sums = np.empty((3, len(faces)))
+    for part in blocks(len(faces)):
+        a, b, c = (points.take(faces[part, corner], axis=0) - centre for corner in range(3))
+        sums[:, part] = (a + b + c).T
+    return sums
 
 
 def _third_moments(points: FloatArray, faces: IntArray, areas: FloatArray) -> FloatArray:
     """Return (3,): integrals of x^3, y^3, z^3 over the surface (up to a common factor)."""
-    corners = np.ascontiguousarray(faces.T)
-    moments = []
-    for axis in np.ascontiguousarray(points.T):
-        a, b, c = (axis.take(corner) for corner in corners)
-        # The integral of x^3 over a triangle is area/10 times the complete homogeneous polynomial h3(a, b, c).
-        total = a + b + c
-        moments.append(areas @ (total * (total * total - 2.0 * (a * b + b * c + c * a)) + a * b * c))
-    return np.array(moments)
+    moments = np.zeros(3)
+    for part in blocks(len(faces), LARGE):
+        cubes = np.empty((3, part.stop - part.start))
+        for some in blocks(len(cubes[0])):
+            a, b, c = (points.take(faces[part][some, corner], axis=0).T for corner in range(3))
+            # The integral of x^3 over a triangle is area/10 times the complete homogeneous polynomial h3(a, b, c).
+            total = a + b + c
+            cubes[:, some] = total * (total * total - 2.0 * (a * b + b * c + c * a)) + a * b * c
+        moments += [areas[part] @ cube for cube in cubes]
+    return moments
 
 
 def signed_axes(axes: FloatArray, third: FloatArray) -> FloatArray:

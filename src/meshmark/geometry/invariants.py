@@ -11,6 +11,7 @@ from typing import Final
 
 import numpy as np
 
+from meshmark.geometry.blocks import LARGE, blocks
 from meshmark.geometry.frame import Frame, canonical_frame
 from meshmark.geometry.sampling import plan_samples
 from meshmark.mesh import FloatArray, IntArray
@@ -70,21 +71,28 @@ def shape_invariants(
     canonical = frame.to_canonical(points)
     known = None if lengths is None else lengths / frame.scale
     samples = plan_samples(canonical, faces, LONGEST, known)(canonical)
-    weight = samples.areas / samples.areas.sum()
-    x = np.ascontiguousarray(samples.positions.T)
-    square = x[0] * x[0] + x[1] * x[1] + x[2] * x[2]
-    z = x / np.sqrt(1.0 + square)
-    products = _products(z)
-    mean = products @ weight
-    covariance = (products * weight) @ products.T - np.outer(mean, mean)
-    shares = np.maximum(np.linalg.eigvalsh(covariance)[::-1], 0.0)
+    whole = samples.areas.sum()
+    radius, fourth, first = 0.0, 0.0, np.zeros(3)
+    mean, second, cubes = np.zeros(6), np.zeros((6, 6)), np.zeros((6, 3))
+    for part in blocks(len(samples.areas), LARGE):
+        weight = samples.areas[part] / whole
+        x = np.ascontiguousarray(samples.positions[part].T)
+        square = x[0] * x[0] + x[1] * x[1] + x[2] * x[2]
+        z = x / np.sqrt(1.0 + square)
+        radius += float(np.sqrt(square) @ weight)
+        fourth += float(square**2 @ weight)
+        first += z @ weight
+        products = _products(z)
+        mean += products @ weight
+        second += (products * weight) @ products.T
+        cubes += products @ (z * weight).T  # the mean of z z z, its entries off the diagonal times sqrt 2
+    shares = np.maximum(np.linalg.eigvalsh(second - np.outer(mean, mean))[::-1], 0.0)
     trace = float(shares.sum())
-    cubes = products @ (z * weight).T  # (6, 3): the mean of z z z, its entries off the diagonal times sqrt 2
-    skew = [z @ weight, cubes[:3].sum(axis=0), cubes]
+    skew = [first, cubes[:3].sum(axis=0), cubes]
     return np.concatenate(
         [
             np.log(frame.moments + LEAST_SHARE),
-            np.log([frame.area, float(np.sqrt(square) @ weight), float(square**2 @ weight)]),
+            np.log([frame.area, radius, fourth]),
             np.log([float(np.sqrt((part**2).sum())) + LEAST_SKEW for part in skew]),
             np.log(shares / max(trace, TINY) + LEAST_SHARE),
             np.log([trace + TINY]),

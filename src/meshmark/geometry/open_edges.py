@@ -62,13 +62,21 @@ def sample_open_edges(points: FloatArray, faces: IntArray, longest: float) -> Ed
 
 def open_edges(faces: IntArray, count: int) -> tuple[IntArray, IntArray, FloatArray]:
     """Return start and end of each open edge, and how much oftener it is walked this way: (e,) each."""
-    one, other = faces[:, [0, 1, 2]].ravel(), faces[:, [1, 2, 0]].ravel()
-    forward = one < other
-    name = np.where(forward, one * count + other, other * count + one)
-    order = np.argsort(name, kind="stable")
-    named = name[order]
-    first = np.flatnonzero(np.diff(named, prepend=-1))
-    excess = np.add.reduceat(np.where(forward, 1.0, -1.0)[order], first) if len(first) else np.zeros(0)
+    name = np.empty((3, len(faces)), np.int64)  # of the edge, and in the last bit the way it is walked
+    for side, (start, end) in zip(name, ((0, 1), (1, 2), (2, 0)), strict=True):
+        np.minimum(faces[:, start], faces[:, end], out=side)
+        side *= count
+        side += np.maximum(faces[:, start], faces[:, end])
+        side <<= 1
+        side |= faces[:, start] < faces[:, end]
+    flat = name.reshape(-1)
+    flat.sort()
+    way = (2 * (flat & 1) - 1).astype(np.int8)
+    flat >>= 1
+    new = np.ones(len(flat), bool)
+    np.not_equal(flat[1:], flat[:-1], out=new[1:])
+    first = np.flatnonzero(new)
+    excess = np.add.reduceat(way, first, dtype=np.int64) if len(first) else np.zeros(0, np.int64)
     is_open = np.flatnonzero(excess)
-    start, end = np.divmod(named[first[is_open]], count)
-    return start, end, excess[is_open]
+    starts, ends = np.divmod(flat[first[is_open]], count)
+    return starts, ends, excess[is_open].astype(np.float64)

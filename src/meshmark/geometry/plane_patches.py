@@ -9,7 +9,9 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 
 from meshmark.geometry.areas import area_vectors
+from meshmark.geometry.blocks import blocks
 from meshmark.geometry.components import connected_components
+from meshmark.geometry.extent import used_points
 from meshmark.geometry.face_neighbours import face_neighbours
 from meshmark.mesh import FloatArray, IntArray
 
@@ -20,6 +22,9 @@ __all__ = ["PlanePatches"]
 _ANGLE, _OFF = 1e-6, 1e-7
 # Fewer points always lie in a plane.
 _LEAST = 4
+# The points of a patch of this RMS radius over the diagonal are as plane on a sphere as large as the model.
+# On meshes of more than this number of points smaller ones are everywhere, and say nothing.
+_RADIUS, _FINE = 6e-4, 1_000_000
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -51,23 +56,33 @@ class PlanePatches:
         PlanePatches
         """
         points, diagonal = _in_unit_box(points, faces)
-        vectors = area_vectors(points, faces)
-        area = np.linalg.norm(vectors, axis=1)
-        normals = vectors / np.maximum(area, np.finfo(float).tiny)[:, None]
+        normals = area_vectors(points, faces)
+        area = np.linalg.norm(normals, axis=1)
+        normals /= np.maximum(area, np.finfo(float).tiny)[:, None]
         one, other, _ = face_neighbours(faces, len(points))
-        flat = 1.0 - np.abs(np.einsum("ij,ij->i", normals[one], normals[other])) <= _ANGLE
+        flat = np.empty(len(one), bool)
+        for part in blocks(len(one)):
+            cosine = np.einsum("ij,ij->i", normals[one[part]], normals[other[part]])
+            flat[part] = 1.0 - np.abs(cosine) <= _ANGLE
+        del normals
         size = (len(faces), len(faces))
         graph = coo_array((np.ones(int(flat.sum()), np.int8), (one[flat], other[flat])), shape=size)
-        count, label = connected_components(graph)
-        beside = np.bincount(label, minlength=count)[label] > 1  # one face has too few points
+        del one, other, flat
+        label = connected_components(graph)[1]
+        beside = np.flatnonzero(np.bincount(label)[label] > 1)  # one face has too few points
+        names, label = np.unique(label[beside], return_inverse=True)
+        count = len(names)
         # Each point of each patch once.
-        code = np.unique(np.repeat(label[beside], 3).astype(np.int64) * len(points) + faces[beside].ravel())
+        code = np.unique(np.repeat(label, 3) * len(points) + faces[beside].ravel())
         pairs = np.stack(np.divmod(code, max(len(points), 1)), axis=1)
         sizes = np.bincount(pairs[:, 0], minlength=count)
-        off = np.sqrt(_square_off(points[pairs[:, 1]], pairs[:, 0], count) / np.maximum(sizes, 1))
+        places = points[pairs[:, 1]]
+        off = np.sqrt(_square_off(places, pairs[:, 0], count) / np.maximum(sizes, 1))
         kept = (sizes >= _LEAST) & (off <= _OFF)
+        if len(points) > _FINE:
+            kept &= _radius(places, pairs[:, 0], count) >= _RADIUS
         rows = kept[pairs[:, 0]]
-        share = float(area[kept[label]].sum() / max(area.sum(), np.finfo(float).tiny))
+        share = float(area[beside[kept[label]]].sum() / max(area.sum(), np.finfo(float).tiny))
         inside = np.zeros(len(points), bool)
         inside[pairs[rows, 1]] = True
         return cls(point=pairs[rows, 1], patch=pairs[rows, 0], points=inside, share=share, diagonal=diagonal)
@@ -81,11 +96,21 @@ class PlanePatches:
         return float(np.sqrt(square.sum() / len(self.point))) * self.diagonal
 
 
+def _radius(places: FloatArray, patch: IntArray, count: int) -> FloatArray:
+    """Return (count,): the RMS distance of places (n, 3) from the middle of each patch (n,)."""
+    size = np.maximum(np.bincount(patch, minlength=count), 1)
+    square = np.zeros(count)
+    for axis in places.T:
+        middle = np.bincount(patch, axis, count) / size
+        square += np.bincount(patch, (axis - middle[patch]) ** 2, count) / size
+    return np.asarray(np.sqrt(square))
+
+
 def _in_unit_box(points: FloatArray, faces: IntArray) -> tuple[FloatArray, float]:
     """Return the points (p, 3) over the diagonal of the box around the faces, so that no unit overflows; and it."""
     if not len(faces):
         return points, 1.0
-    used = points[faces.ravel()]
+    used = points[used_points(faces, len(points))]
     size = np.ptp(used, axis=0)
     diagonal = float(size.max() * np.linalg.norm(size / max(float(size.max()), np.finfo(float).tiny)))
     if diagonal == 0.0:

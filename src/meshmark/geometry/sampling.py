@@ -11,8 +11,10 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 import scipy.sparse as sp
+from numpy.typing import NDArray
 
-from meshmark.geometry.areas import area_vectors, face_lengths
+from meshmark.geometry.areas import add_at_points, area_fluxes, face_lengths
+from meshmark.geometry.blocks import blocks
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["Sampler", "SamplerPlans", "Samples", "gathered", "plan_samples"]
@@ -45,43 +47,25 @@ class Sampler:
 
     faces: IntArray
     count: int
-    fine: IntArray
+    fine: NDArray[np.int32]
     split_face: IntArray
     split_weights: FloatArray
     split_share: FloatArray
 
     def __call__(self, points: FloatArray) -> Samples:
         """Return the samples for positions (p, 3)."""
-        vectors = area_vectors(points, self.faces)
-        areas = np.sqrt(np.einsum("ij,ij->i", vectors, vectors))
-        flux = np.column_stack([vectors, areas])
-        lumped = self._lump @ flux
+        lumped = np.zeros((self.count, 4))
+        for part in blocks(len(self.fine)):
+            fine = self.faces[self.fine[part]]
+            add_at_points(lumped, area_fluxes(points, fine) * (1.0 / 3.0), fine)
         if not len(self.split_face):
             return Samples(positions=points, vectors=lumped[:, :3], areas=lumped[:, 3])
-        pieces = self._share @ flux
+        pieces = self.split_share[:, None] * area_fluxes(points, self.faces[self.split_face])
         return Samples(
             positions=np.concatenate([points, self._middle @ points]),
             vectors=np.concatenate([lumped[:, :3], pieces[:, :3]]),
             areas=np.concatenate([lumped[:, 3], pieces[:, 3]]),
         )
-
-    @cached_property
-    def _lump(self) -> sp.csc_array:
-        """(p, m): a third of each fine face to each of its points; the faces are its columns as they stand."""
-        lengths = np.zeros(len(self.faces) + 1, np.int64)
-        lengths[self.fine + 1] = 3
-        corners = self.faces[self.fine].ravel()
-        return sp.csc_array(
-            (np.full(len(corners), 1.0 / 3.0), corners, np.cumsum(lengths)),
-            shape=(self.count, len(self.faces)),
-        )
-
-    @cached_property
-    def _share(self) -> sp.csr_array:
-        """(q', m): the share of each split in its face."""
-        rows = np.arange(len(self.split_face) + 1)
-        shape = (len(self.split_face), len(self.faces))
-        return sp.csr_array((self.split_share, self.split_face, rows), shape=shape)
 
     @cached_property
     def _middle(self) -> sp.csr_array:
@@ -182,7 +166,7 @@ def plan_samples(
     return Sampler(
         faces=faces,
         count=len(points),
-        fine=np.flatnonzero(~large),
+        fine=np.flatnonzero(~large).astype(np.int32),
         split_face=np.flatnonzero(large)[owner],
         split_weights=weights,
         split_share=share,

@@ -31,6 +31,7 @@ __all__ = [
     "random_walk",
     "spectral_filters",
     "terms",
+    "walk_of",
 ]
 
 WalkWeights = Literal["uniform", "inverse_length"]
@@ -48,15 +49,24 @@ def random_walk(points: FloatArray, edges: IntArray, weights: WalkWeights = "uni
     A point without an edge stays where it is.
     """
     graph = adjacency(edges, len(points))
-    degree = np.diff(graph.indptr)
     if weights == "inverse_length":
-        rows = np.repeat(np.arange(len(points)), degree)
+        rows = np.repeat(np.arange(len(points)), np.diff(graph.indptr))
         steps = points.take(rows, axis=0) - points.take(graph.indices, axis=0)
         graph.data = 1.0 / np.maximum(np.sqrt(np.einsum("ij,ij->i", steps, steps)), np.finfo(float).tiny)
-    total = np.asarray(graph.sum(axis=1)) if weights != "uniform" else degree
+        return _walk(graph, graph.data, np.asarray(graph.sum(axis=1)))
+    return walk_of(graph)
+
+
+def walk_of(graph: csr_array) -> csr_array:
+    """Return the uniform random walk (p, p) on a graph (p, p) with 1 for each edge, whose indices it shares."""
+    return _walk(graph, graph.data, np.diff(graph.indptr))
+
+
+def _walk(graph: csr_array, weights: FloatArray, total: FloatArray | IntArray) -> csr_array:
+    degree = np.diff(graph.indptr)
+    walk = csr_array((weights / np.repeat(total, degree), graph.indices, graph.indptr), shape=graph.shape)
     alone = degree == 0
-    graph.data /= np.repeat(total, degree)
-    return csr_array(graph + diags_array(alone.astype(float))) if alone.any() else graph
+    return csr_array(walk + diags_array(alone.astype(float))) if alone.any() else walk
 
 
 def discrete_gaussian(
@@ -125,9 +135,10 @@ def _chebyshev_sums(walk: csr_array, values: FloatArray, factors: FloatArray) ->
     rows = list(sums.reshape(len(sums), -1))
     now = walk @ before
     _add_up(rows, now.reshape(-1), factors[:, 1].tolist())
-    steps = (-2.0 * walk.data, 2.0 * walk.data)
+    step = 2.0 * walk.data
     for m, column in enumerate(factors.T[2:].tolist()):
-        _add_product(walk, steps[m % 2], now, before)
+        np.negative(step, out=step)
+        _add_product(walk, step, now, before)
         before, now = now, before
         _add_up(rows, now.reshape(-1), column if m % 4 > 1 else [-factor for factor in column])
     return sums

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sp
 
+from meshmark.geometry.blocks import blocks
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["diffused", "stiffness"]
@@ -17,27 +18,37 @@ __all__ = ["diffused", "stiffness"]
 LEAST_FACE = 1e-3
 TOLERANCE = 1e-3
 MOST_STEPS = 300
+# Pairs of corners of a face.
+_PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 
 
 def stiffness(points: FloatArray, faces: IntArray, weights: FloatArray | None = None) -> sp.csr_array:
     """Return the matrix (p, p) of the integral of `weights` (m,), by face, times grad f . grad g."""
-    corners = [points.take(faces[:, i], axis=0) for i in range(3)]
-    sides = [corners[2] - corners[1], corners[0] - corners[2], corners[1] - corners[0]]
-    twice = np.linalg.norm(np.cross(sides[2], sides[1]), axis=1)
+    twice = np.empty(len(faces))
+    for part in blocks(len(faces)):
+        _, one, other = _sides(points, faces[part])
+        twice[part] = np.linalg.norm(np.cross(other, one), axis=1)
     twice = np.maximum(twice, LEAST_FACE * twice.mean())
     scale = 0.5 / twice if weights is None else 0.5 * weights / twice
-    rows, columns, values = [], [], []
-    for i in range(3):
-        for j in range(i, 3):
-            value = scale * np.einsum("mi,mi->m", sides[i], sides[j])
-            rows.append(faces[:, i])
-            columns.append(faces[:, j])
-            values.append(value if i != j else 0.5 * value)
+    rows, columns = np.empty((2, len(_PAIRS), len(faces)), np.int32)
+    values = np.empty(rows.shape)
+    for part in blocks(len(faces)):
+        sides = _sides(points, faces[part])
+        for place, (i, j) in enumerate(_PAIRS):
+            value = scale[part] * np.einsum("mi,mi->m", sides[i], sides[j])
+            rows[place, part] = faces[part, i]
+            columns[place, part] = faces[part, j]
+            values[place, part] = value if i != j else 0.5 * value
     count = len(points)
-    half = sp.csr_array(
-        (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=(count, count)
-    )
+    half = sp.csr_array((values.ravel(), (rows.ravel(), columns.ravel())), shape=(count, count))
+    del rows, columns, values
     return sp.csr_array(half + half.T)
+
+
+def _sides(points: FloatArray, faces: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the sides (m, 3) of each face that lie opposite its corners."""
+    a, b, c = (points.take(faces[:, i], axis=0) for i in range(3))
+    return c - b, a - c, b - a
 
 
 def diffused(

@@ -62,7 +62,7 @@ class Surface:
 
     @property
     def graph(self) -> csr_array:
-        """(p, p) symmetric sparse matrix with 1.0 at both places of each edge."""
+        """(p, p) symmetric sparse matrix with 1 at both places of each edge."""
         return self.connectivity.graph
 
     @property

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sp
 
-from meshmark.geometry.blocks import blocks
+from meshmark.geometry.blocks import append, blocks
 from meshmark.geometry.kd_tree import kd_tree
 from meshmark.mesh import FloatArray, IntArray
 
@@ -20,8 +20,8 @@ __all__ = ["surface_basis"]
 REACH = 2.1
 # A point has its own node at least with this weight.
 LEAST = 1e-6
-# Nodes whose points are looked up at once: a table of them takes several times what is kept.
-BLOCK = 256
+# Points whose nodes are looked up at once: a table of them takes several times what is kept.
+BLOCK = 1 << 15
 
 
 def surface_basis(points: FloatArray, normals: FloatArray, pitch: float) -> sp.csr_array:
@@ -30,32 +30,28 @@ def surface_basis(points: FloatArray, normals: FloatArray, pitch: float) -> sp.c
     points: (p, 3); normals: (p, 3) unit; pitch: distance of the nodes, in the unit of `points`.
     """
     nodes, owner = _nodes(points, normals, pitch)
-    owned = np.argsort(owner, kind="stable")  # the points by their nodes
-    first = np.searchsorted(owner[owned], np.arange(len(nodes) + 1))
-    tree, parts = kd_tree(points), []
-    for block in blocks(len(nodes), BLOCK):
-        near = kd_tree(points[nodes[block]]).sparse_distance_matrix(
-            tree, REACH * pitch, output_type="ndarray"
-        )
-        row, column = near["j"], near["i"]
-        node = nodes[block][column]
-        apart = points[row] - points[node]
+    tree = kd_tree(points[nodes])
+    data, indices, counts = np.empty(0), np.empty(0, np.int32), np.empty(len(points), np.int32)
+    for block in blocks(len(points), BLOCK):
+        near = kd_tree(points[block]).sparse_distance_matrix(tree, REACH * pitch, output_type="ndarray")
+        row, column = near["i"], near["j"]
+        node = nodes[column]
+        apart = points[block][row] - points[node]
         inside = np.maximum(1.0 - np.einsum("ij,ij->i", apart, apart) / (REACH * pitch) ** 2, 0.0)
-        facing = np.maximum(np.einsum("ij,ij->i", normals[row], normals[node]), 0.0)
+        facing = np.maximum(np.einsum("ij,ij->i", normals[block][row], normals[node]), 0.0)
         value = inside**3 * facing
         some = np.flatnonzero(value > 0.0)
-        own = owned[first[block.start] : first[block.stop]]
-        rows = np.concatenate([row[some], own]).astype(np.int32)
-        columns = np.concatenate([column[some], owner[own] - block.start]).astype(np.int32)
-        values = np.concatenate([value[some], np.full(len(own), LEAST)])
-        shape = (len(points), block.stop - block.start)
-        parts.append(sp.csc_array((values, (rows, columns)), shape=shape))
-    weights = sp.hstack(parts, format="csc")
-    parts.clear()  # before what is as large again
-    weights = sp.csr_array(weights)
-    total = np.asarray(weights.sum(axis=1)).ravel()
-    weights.data *= np.repeat(1.0 / total, np.diff(weights.indptr))
-    return weights
+        count = block.stop - block.start
+        rows = np.concatenate([row[some], np.arange(count)]).astype(np.int32)
+        columns = np.concatenate([column[some], owner[block]]).astype(np.int32)
+        values = np.concatenate([value[some], np.full(count, LEAST)])
+        weights = sp.csr_array((values, (rows, columns)), shape=(count, len(nodes)))
+        total = np.asarray(weights.sum(axis=1)).ravel()
+        counts[block] = np.diff(weights.indptr)
+        append(data, weights.data * np.repeat(1.0 / total, counts[block]))
+        append(indices, weights.indices)
+    starts = np.concatenate([[0], np.cumsum(counts, dtype=np.int64)])
+    return sp.csr_array((data, indices, starts), shape=(len(points), len(nodes)))
 
 
 def _nodes(points: FloatArray, normals: FloatArray, pitch: float) -> tuple[IntArray, IntArray]:

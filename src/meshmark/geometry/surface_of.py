@@ -58,9 +58,12 @@ def surface_of_moved(mesh: Mesh, before: Mesh) -> Surface:
     old = surface_of(before)
     if len(mesh.vertices) != len(before.vertices):
         return surface_of(mesh)
-    vertices = mesh.vertices + 0.0  # as `weld` does: -0.0 is 0.0
-    points = vertices[old.vertex_of_point]
-    if not np.array_equal(points[old.point_of_vertex], vertices) or any_coincide(points):
+    vertices = points = mesh.vertices + 0.0  # as `weld` does: -0.0 is 0.0
+    if len(old.points) != len(vertices):
+        points = vertices[old.vertex_of_point]
+        if not np.array_equal(points[old.point_of_vertex], vertices):
+            return surface_of(mesh)
+    if any_coincide(points):
         return surface_of(mesh)
     same = np.array_equal(points, old.points)
     return _kept(mesh, checksum, old if same else old.moved(points))

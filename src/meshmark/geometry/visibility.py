@@ -181,9 +181,9 @@ def _patches(points: FloatArray, normals: FloatArray, used: IntArray, centres: I
     radius = RADIUS * float(np.linalg.norm(np.ptp(points[used], axis=0)))
     tree = kd_tree(points[used])
     patches = []
-    for centre, near in zip(centres, tree.query_ball_point(points[centres], radius), strict=True):
+    for centre in centres:  # one by one: of a large model each has tens of thousands
         # Sorted, the every n-th of a fine mesh's points does not depend on the tree.
-        members = used[np.sort(near)]
+        members = used[np.sort(tree.query_ball_point(points[centre], radius))]
         members = members[normals[members] @ normals[centre] > SAME_SIDE]
         if len(members) < LEAST:
             members = used[np.atleast_1d(tree.query(points[centre], min(LEAST, len(used)))[1])]

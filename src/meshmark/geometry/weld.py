@@ -33,9 +33,15 @@ def weld(mesh: Mesh) -> Surface:
     rank[np.argsort(first)] = np.arange(len(first))
     point_of_vertex = np.empty(len(vertices), np.int64)
     point_of_vertex[order] = np.repeat(rank, np.diff(starts, append=len(order)))
-    a, b, c = (corners := point_of_vertex[mesh.faces]).T
-    faces = corners[(a != b) & (b != c) & (c != a)]
-    return Surface(points=vertices[np.sort(first)], faces=faces, point_of_vertex=point_of_vertex)
+    apart = len(first) == len(vertices)
+    corners = mesh.faces if apart else point_of_vertex[mesh.faces]
+    a, b, c = corners.T
+    proper = (a != b) & (b != c) & (c != a)
+    return Surface(
+        points=vertices if apart else vertices[np.sort(first)],
+        faces=corners if proper.all() else corners[proper],  # those of the mesh, where all are as they were
+        point_of_vertex=point_of_vertex,
+    )
 
 
 def any_coincide(points: FloatArray) -> bool:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse import coo_array
 
+from meshmark.arrays import AnyIntArray, IntArray
 from meshmark.geometry.components import connected_components
 from meshmark.geometry.face_neighbours import face_neighbours
-from meshmark.mesh import IntArray
 
 __all__ = ["consistent_winding"]
 
@@ -34,6 +34,8 @@ def consistent_winding(faces: IntArray, count: int) -> IntArray:
     (m, 3) int array
         In the same order; the same array where nothing is turned over.
     """
+    if not _walked_twice(faces, count):
+        return faces
     one, other, against = face_neighbours(faces, count)
     if not against.any():
         return faces
@@ -59,5 +61,16 @@ def consistent_winding(faces: IntArray, count: int) -> IntArray:
     return np.where(turned[:, None], faces[:, [0, 2, 1]], faces)
 
 
-def _graph(one: IntArray, other: IntArray, size: int) -> coo_array:
+def _walked_twice(faces: IntArray, count: int) -> bool:
+    """Return whether some edge is walked twice in the same direction: else no two faces turn against each other."""
+    walked = np.empty((3, len(faces)), np.int64)
+    for side, (start, end) in zip(walked, ((0, 1), (1, 2), (2, 0)), strict=True):
+        np.multiply(faces[:, start], count, out=side)
+        side += faces[:, end]
+    flat = walked.reshape(-1)
+    flat.sort()
+    return bool((flat[1:] == flat[:-1]).any())
+
+
+def _graph(one: AnyIntArray, other: AnyIntArray, size: int) -> coo_array:
     return coo_array((np.ones(len(one), np.int8), (one, other)), shape=(size, size))

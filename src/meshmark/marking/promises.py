@@ -140,15 +140,14 @@ def rounded_by(vertices: FloatArray, bears: Iterable[str], error: float) -> Iter
     Those that change most come first, those that change next to nothing do not. error: of a coordinate, that the
     marks are made for, in scene units.
     """
-    rounded: list[tuple[float, str, FloatArray]] = []
+    changes: list[tuple[float, str]] = []
     for name in bears:
-        rounding, called = ROUNDINGS[name]
-        result = rounding(vertices)
-        change = error if name == "turned" else float(np.abs(result - vertices).max())
+        change = error if name == "turned" else float(np.abs(ROUNDINGS[name][0](vertices) - vertices).max())
         if name == "turned" or change > _HARMLESS * error:
-            rounded.append((change, called, result))
-    for _, called, result in sorted(rounded, key=lambda each: -each[0]):
-        yield called, result
+            changes.append((change, name))
+    for _, name in sorted(changes, key=lambda each: -each[0]):
+        rounding, called = ROUNDINGS[name]
+        yield called, rounding(vertices)  # anew: all of them at once would take gigabytes of a large model
 
 
 def broken_by(mesh: Mesh, key: Key, identity: int, bears: Iterable[str], error: float) -> Broken | None:

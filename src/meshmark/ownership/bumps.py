@@ -12,7 +12,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from meshmark.errors import CapacityError
-from meshmark.geometry.areas import area_vectors, vertex_areas_and_normals
+from meshmark.geometry.areas import add_at_points, area_vectors, face_areas, vertex_areas_and_normals
 from meshmark.geometry.blocks import blocks
 from meshmark.geometry.frame import surface_moments
 from meshmark.geometry.open_edges import sample_open_edges
@@ -63,27 +63,55 @@ def frame_gradient(points: FloatArray, faces: IntArray, normals: FloatArray) -> 
     Exact for flat triangles and `points` centred: of each face's integrals, area times mean of x or of x y, both
     factors change. The mean of x y over a triangle is (sum of x y over corners + 9 x y of the middle) / 12.
     """
-    vectors = area_vectors(points, faces)
-    areas = np.sqrt(np.einsum("ij,ij->i", vectors, vectors))
-    units = (vectors / np.where(areas > 0.0, areas, 1.0)[:, None]).T
-    corners = np.ascontiguousarray(faces.T)
-    ends = [axis.take(corners) for axis in np.ascontiguousarray(points.T)]
-    turns = [axis.take(corners) for axis in np.ascontiguousarray(normals.T)]
-    middles = [end.mean(axis=0) for end in ends]
-    means = [((ends[i] * ends[j]).sum(axis=0) + 9.0 * middles[i] * middles[j]) / 12.0 for i, j in _PAIRS]
+    areas = face_areas(points, faces)
     total = areas.sum()
-    excess = [mean - (areas @ mean) / total for mean in means]
-    rows = np.zeros((FRAME_ROWS, len(points)))
-    for v in range(3):
-        growth = _area_growth(ends, [turn[v] for turn in turns], units, v)
-        motion = [areas * turn[v] for turn in turns]
-        changes = [growth * middles[i] + motion[i] / 3.0 for i in range(3)]
-        for value, (i, j) in zip(excess, _PAIRS, strict=True):
-            lever = motion[i] * (ends[j][v] + 3.0 * middles[j]) + motion[j] * (ends[i][v] + 3.0 * middles[i])
-            changes.append(growth * value + lever / 12.0)
-        for row, change in zip(rows, changes, strict=True):
-            row += np.bincount(corners[v], change, len(points))
-    return np.asarray(rows / total)
+    whole = [float(areas @ _product_means(points, faces, pair)) / total for pair in _PAIRS]
+    sums, own = np.zeros((len(points), FRAME_ROWS)), np.empty((len(points), FRAME_ROWS))
+    for corner in range(3):
+        own[:] = 0.0
+        for part in blocks(len(faces)):
+            changes = _frame_changes((points, normals), faces[part], areas[part], whole, corner)
+            add_at_points(own, changes, faces[part, corner : corner + 1])
+        sums += own
+    sums /= total
+    return sums.T
+
+
+def _product_means(points: FloatArray, faces: IntArray, pair: tuple[int, int]) -> FloatArray:
+    """Return (m,): the mean over each face of the product of two coordinates."""
+    out = np.empty(len(faces))
+    for part in blocks(len(faces)):
+        corners = _by_axis(points, faces[part])
+        one, other = (corners[axis] for axis in pair)
+        out[part] = ((one * other).sum(axis=0) + 9.0 * one.mean(axis=0) * other.mean(axis=0)) / 12.0
+    return out
+
+
+def _by_axis(values: FloatArray, faces: IntArray) -> FloatArray:
+    """Return (3, 3, m): for each axis and corner the values (p, 3) at the faces."""
+    return np.ascontiguousarray(np.moveaxis(values.take(faces.T, axis=0), 2, 0))
+
+
+def _frame_changes(
+    moving: tuple[FloatArray, FloatArray], faces: IntArray, areas: FloatArray, whole: list[float], corner: int
+) -> FloatArray:
+    """Return (m, 9): change of the integrals of each face as one of its corners moves along its normal.
+
+    moving: points and their normals; whole: the means of the products over all faces.
+    """
+    ends, turns = (list(_by_axis(values, faces)) for values in moving)
+    vectors = area_vectors(moving[0], faces)
+    units = (vectors / np.where(areas > 0.0, areas, 1.0)[:, None]).T
+    middles = [end.mean(axis=0) for end in ends]
+    growth = _area_growth(ends, [turn[corner] for turn in turns], units, corner)
+    motion = [areas * turn[corner] for turn in turns]
+    changes = [growth * middles[i] + motion[i] / 3.0 for i in range(3)]
+    for mean, (i, j) in zip(whole, _PAIRS, strict=True):
+        value = ((ends[i] * ends[j]).sum(axis=0) + 9.0 * middles[i] * middles[j]) / 12.0 - mean
+        lever = motion[i] * (ends[j][corner] + 3.0 * middles[j])
+        lever += motion[j] * (ends[i][corner] + 3.0 * middles[i])
+        changes.append(growth * value + lever / 12.0)
+    return np.stack(changes, axis=1)
 
 
 def _area_growth(
@@ -121,21 +149,25 @@ class Bumps:
         """still: (p,) points that stay where they are; none where it is left out."""
         from scipy.linalg import cho_factor, cho_solve, pinvh
 
+        # What takes much room is made after what takes more on the way.
         faces, placed = sampler.faces, samples.positions[: sampler.count]
         areas, self.normals = vertex_areas_and_normals(placed, faces)
+        frame = frame_gradient(lattice.points(placed), faces, self.normals @ lattice.axes)
+        visible = visible_energy(placed, faces, areas, frame, seen)
         offsets = cell_gradient(samples, cells) @ sampler.normal_motion(samples, self.normals)
         offsets = sp.csr_array(offsets + _border_part(placed, faces, self.normals, cells))
-        frame = frame_gradient(lattice.points(placed), faces, self.normals @ lattice.axes)
-        gradient = sp.vstack([sp.csr_array(lattice.spacing * frame), offsets], format="csr")
+        spread = np.sqrt(np.asarray(offsets.multiply(offsets).sum(axis=1)).ravel())
         self.basis = surface_basis(placed, self.normals, PITCH)
         if still is not None:
             moving = sp.csr_array(sp.diags_array((~still).astype(np.float64)) @ self.basis)
             self.basis = moving[:, np.asarray(moving.sum(axis=0)).ravel() > LEAST_WEIGHT]
             if not self.basis.shape[1]:
                 raise CapacityError("all of the surface is plane")
-        energy = _energy(self.basis, visible_energy(placed, faces, areas, frame, seen))
+        energy = _energy(self.basis, visible)
+        del visible
         energy[np.diag_indices_from(energy)] += LIFT * float(np.median(energy.diagonal()))
-        onto = (self.basis.T @ gradient.T).toarray()
+        onto = np.hstack([self.basis.T @ (lattice.spacing * frame.T), (self.basis.T @ offsets.T).toarray()])
+        del frame, offsets
         factor = cho_factor(energy, overwrite_a=True, check_finite=False)
         self._heights = cho_solve(factor, onto, check_finite=False)
         gram = onto.T @ self._heights
@@ -148,7 +180,7 @@ class Bumps:
             inverse = _inverse(gram, rows)
         self.free = np.zeros(len(cells.nodes), dtype=bool)
         self.free[rows[FRAME_ROWS:] - FRAME_ROWS] = True
-        self.spread = np.sqrt(np.asarray(offsets.multiply(offsets).sum(axis=1)).ravel()[self.free])
+        self.spread = spread[self.free]
         self._heights = self._heights[:, np.concatenate([np.full(FRAME_ROWS, True), self.free])]
         self._inverse = inverse
         self._frame_inverse = pinvh(gram[:FRAME_ROWS, :FRAME_ROWS], rtol=RIDGE)

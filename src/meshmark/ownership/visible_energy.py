@@ -33,7 +33,11 @@ def visible_energy(
 
     placed: (p, 3) lattice coordinates; areas: (p,); frame: (9, p) change of the frame values.
     """
-    steep = np.abs(frame).max(axis=0) * areas.sum() / STEEPEST
+    steep = np.zeros(len(areas))
+    for row in frame:
+        np.maximum(steep, np.abs(row), out=steep)
+    steep *= areas.sum()
+    steep /= STEEPEST
     mass = np.maximum(areas, LEAST_AREA * areas.mean())
     weights = seen.noticed_at(mass, stiffness(placed, faces), AVERAGE) ** -2.0
     weights /= weights @ mass / mass.sum()

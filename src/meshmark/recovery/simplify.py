@@ -14,13 +14,12 @@ import numpy as np
 from meshmark.geometry.adjacency import unique_edges
 from meshmark.geometry.areas import area_vectors
 from meshmark.mesh import FloatArray, IntArray
+from meshmark.recovery.coarse import coarse_surface
 
 __all__ = ["Simplification", "simplify"]
 
 Point = tuple[float, float, float]
 
-# The library's first thresholds suit models of this size; see `attacks.simplification`.
-SIZE = 2000.0
 # The library leaves this many points for each that is wanted, and at least AT_LEAST; more of a surface of many
 # parts, of which it would empty the small ones. Those have fewer than CLOSED faces for each point; a closed surface
 # has two.
@@ -48,7 +47,7 @@ class Simplification:
         first = max(int(times * most), AT_LEAST)
         # A closed surface has two faces for each point, a polygon soup may have fewer faces than the target.
         if len(points) > 1.2 * first and len(faces) > 2 * first:
-            coarse = _coarse(points, faces, 2 * first)
+            coarse = coarse_surface(points, faces, 2 * first)
             if len(coarse[1]):
                 points, faces = coarse
         self._mesh = _Collapser(points, faces)
@@ -56,20 +55,6 @@ class Simplification:
     def to(self, count: int) -> tuple[FloatArray, IntArray]:
         """Return points and faces with about `count` points, which must be fewer each time."""
         return self._mesh.run(count)
-
-
-def _coarse(points: FloatArray, faces: IntArray, target: int) -> tuple[FloatArray, IntArray]:
-    import fast_simplification
-
-    middle, size = points.mean(axis=0), float(np.ptp(points, axis=0).max()) / SIZE
-    moved, left = fast_simplification.simplify(
-        (points - middle) / size, faces.astype(np.int32), target_count=target
-    )
-    left = left.astype(np.int64)
-    a, b, c = left.T
-    left = left[(a != b) & (b != c) & (c != a)]
-    used, corners = np.unique(left, return_inverse=True)
-    return moved[used] * size + middle, corners.reshape(-1, 3)
 
 
 class _Collapser:

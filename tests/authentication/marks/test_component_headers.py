@@ -43,7 +43,7 @@ def carried(made: Plan, number: int) -> NDArray[np.int64]:
     """Return how many marks with rings that are unlike carry each piece of the id in a component."""
     header = made.found.take(made.found.kind == HEADER)
     own = header.take((header.vertex >= of_piece(number).start) & (header.vertex < of_piece(number).stop))
-    unlike = own.take(np.unique(own.words[:, 0], return_index=True)[1])
+    unlike = own.take(np.unique(own.name, return_index=True)[1])
     pieces = pieces_of_id(made.layout.symbol)
     return np.bincount(unlike.index.astype(np.int64) % pieces, minlength=pieces)
 

@@ -75,3 +75,15 @@ def test_points_of_marks_that_fail_are_avoided_when_a_plan_is_mended(planned):
     likely, avoided = (int(avoid[new].sum()) for new in added)
     assert likely > 10
     assert avoided < likely / 2
+
+
+def test_marks_fail_as_in_a_check_where_a_part_is_rounded_more_than_the_rest(planned, marked):
+    x = marked.points[:, 0]
+    rough, fine = (_rounded(planned, marked, factor) for factor in (10.0, 0.7))
+    points = np.where((x > np.quantile(x, 0.8))[:, None], rough, fine)
+    _, failing = unread_when_rounded(planned, marked, points, KEY, FINE)
+    passed = check(weld(Mesh(points, planned.surface.faces)), KEY, ID).passed
+    missed = planned.marks[~passed[planned.marks]]
+    assert len(missed) > 40
+    assert failing[missed].mean() >= 0.8
+    assert failing.sum() <= 1.1 * len(missed)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from meshmark.arrays import AnyIntArray
 from meshmark.authentication.checks.model_frame import ModelFrame, evidence_of
 from meshmark.authentication.marks.candidates import Candidates
 from meshmark.authentication.marks.model_cells import masks, near_cells
@@ -31,7 +32,7 @@ class Carried:
 
     index: NDArray[np.uint32]
     value: NDArray[np.uint16]
-    vertex: IntArray
+    vertex: AnyIntArray
     ring: NDArray[np.uint64]
     centre: FloatArray
     plain: NDArray[np.bool_]
@@ -54,7 +55,7 @@ def carried(found: Candidates, symbol: IntArray, plain: NDArray[np.bool_] | None
         index=found.index,
         value=symbol.astype(np.uint16),
         vertex=found.vertex,
-        ring=found.words[:, 0],
+        ring=found.name,
         centre=found.centre,
         plain=np.ones(len(symbol), bool) if plain is None else plain,
     )

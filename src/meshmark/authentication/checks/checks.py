@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from meshmark.arrays import AnyIntArray, FloatArray, IntArray
 from meshmark.authentication.checks.carried import Carried, Expected, carried
 from meshmark.authentication.checks.in_place import in_place
 from meshmark.authentication.checks.model_frame import ModelFrame, Scale, evidence_of
@@ -23,7 +24,6 @@ from meshmark.coding.keys import Key
 from meshmark.geometry.components import connected_parts
 from meshmark.geometry.shown import Shown
 from meshmark.geometry.surface import Surface
-from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["Checks", "check", "shapes_of"]
 
@@ -187,10 +187,10 @@ def _repeated(surface: Surface, found: Candidates, holds: NDArray[np.bool_]) -> 
     """Return (c,): which marks that tell the id hold at several points in rings that are alike; a copy is none."""
     repeated = np.zeros(len(holds), bool)
     rows = np.flatnonzero(holds & (found.kind == HEADER))
-    point = found.vertex[rows]
+    point = found.vertex[rows].astype(np.int64)
     point = surface.original[point] if isinstance(surface, Shown) else point
     pairs, place = np.unique(
-        np.stack([found.words[rows, 0], point.astype(np.uint64)], axis=1), axis=0, return_inverse=True
+        np.stack([found.name[rows], point.astype(np.uint64)], axis=1), axis=0, return_inverse=True
     )
     _, ring, times = np.unique(pairs[:, 0], return_inverse=True, return_counts=True)
     repeated[rows] = (times[ring] > 1)[place.reshape(-1)]
@@ -208,7 +208,7 @@ def _copied(surface: Surface, passed: NDArray[np.bool_], unit: float) -> IntArra
 
 
 def _new_boundary(
-    rings: list[Rings], vertex: IntArray, whole: NDArray[np.bool_], least: int
+    rings: list[Rings], vertex: AnyIntArray, whole: NDArray[np.bool_], least: int
 ) -> NDArray[np.bool_]:
     """Return (p,): the boundary points next to `least` or more marks `vertex` that know of no boundary there.
 
@@ -229,7 +229,7 @@ def _new_boundary(
 
 
 def _torn(
-    surface: Surface, rings: list[Rings], vertex: IntArray, whole: NDArray[np.bool_]
+    surface: Surface, rings: list[Rings], vertex: AnyIntArray, whole: NDArray[np.bool_]
 ) -> NDArray[np.bool_]:
     """Return (p,): the boundary points of `_new_boundary` near which are those of another mark, too.
 
@@ -263,7 +263,7 @@ def _vouched(pairs: IntArray, passed: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return verified
 
 
-def _outdone(pairs: IntArray, vertex: IntArray, off: FloatArray, count: int) -> NDArray[np.bool_]:
+def _outdone(pairs: IntArray, vertex: AnyIntArray, off: FloatArray, count: int) -> NDArray[np.bool_]:
     """Return (p,): marks next to one that lies nearer to a whole place; of two neighbours one holds by chance."""
     best = np.full(count, np.inf)
     np.minimum.at(best, vertex, off)

@@ -150,13 +150,18 @@ class _Reader:
         return len(self.found) > before
 
     def _parts(self, chosen: NDArray[np.bool_]) -> list[tuple[Rings, RingShapes]]:
-        rows = [np.flatnonzero(chosen[group.vertex]) for group in self.rings]
-        pairs = zip(self.rings, self.shapes, rows, strict=True)
-        return [(group.take(row), shape.take(row)) for group, shape, row in pairs if len(row)]
+        parts = []
+        for group, shape in zip(self.rings, self.shapes, strict=True):
+            row = np.flatnonzero(chosen[group.vertex])
+            if len(row) == len(group.vertex):  # as at first: no second one of all
+                parts.append((group, shape))
+            elif len(row):
+                parts.append((group.take(row), shape.take(row)))
+        return parts
 
     def _plain(self, parts: list[tuple[Rings, RingShapes]], setting: Setting) -> Candidates:
         subkey = self.key.subkey(PURPOSE)
-        return joined([plain_candidates(self.surface.points, *part, setting, subkey) for part in parts])
+        return joined(plain_candidates(self.surface.points, *part, setting, subkey) for part in parts)
 
     def _may_be_marked(self, found: Candidates, setting: Setting) -> bool:
         """Return whether more marks that tell an id hold than by luck."""

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from meshmark.arrays import AnyIntArray
 from meshmark.authentication.marks.candidates import Candidates
 from meshmark.authentication.marks.symbols import directions, is_fine, place_values
 from meshmark.mesh import FloatArray, IntArray
@@ -38,7 +39,7 @@ class Evidence:
     (e,) values are known but for multiples of it, infinite of coarse ones. error: of a centre, in scene units.
     """
 
-    vertex: IntArray
+    vertex: AnyIntArray
     centre: FloatArray
     direction: FloatArray
     value: FloatArray

@@ -152,10 +152,10 @@ def _against_luck(
     without_boundary: bool = True,
 ) -> tuple[int, float]:
     """Return how many different marks were tried, and the exponent (nats) of Chernoff's bound."""
-    tries, boundary = _names(found.words[:, 0], found.whole, layout), found.boundary
+    tries, boundary = _names(found.name, found.whole, layout), found.boundary
     held = len(np.unique(tries[holds]))
     if more is not None:
-        tries = np.concatenate([tries, _names(found.words[more.row, 0], more.whole, layout)])
+        tries = np.concatenate([tries, _names(found.name[more.row], more.whole, layout)])
         boundary = np.concatenate([boundary, boundary[more.row]])
     total = len(np.unique(tries))
     if without_boundary:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from meshmark.arrays import AnyIntArray
 from meshmark.authentication.checks.ring_reading import window_of
 from meshmark.authentication.checks.setting_search import Setting, all_candidates, plain_candidates
 from meshmark.authentication.checks.sweep import NEAR, ROUNDED, able_rings, vouched
@@ -20,7 +21,7 @@ from meshmark.authentication.marks.rings_of import rings_of
 from meshmark.authentication.marks.words import PURPOSE
 from meshmark.authentication.parameters import Style
 from meshmark.coding.keys import Key
-from meshmark.mesh import FloatArray, IntArray
+from meshmark.mesh import FloatArray
 
 __all__ = ["unread_when_rounded"]
 
@@ -61,17 +62,17 @@ def unread_when_rounded(
     subkey = key.subkey(PURPOSE)
     held = np.zeros(count, bool)
 
-    def read(found: Candidates) -> tuple[IntArray, FloatArray]:
+    def read(found: Candidates) -> tuple[AnyIntArray, FloatArray]:
         """Return the points of candidates in rings as they were made, and how far off their places they lie."""
         row = row_of[found.vertex]
-        same = np.flatnonzero(found.words[:, 0] == plan.found.words[row, 0])
+        same = np.flatnonzero(found.name == plan.found.name[row])
         return found.vertex[same], np.abs(found.place[same] - marked.place[row[same]]).max(axis=1)
 
     vertex, off = read(joined([plain_candidates(rounded, *part, setting, subkey) for part in parts]))
     # As a sweep does, which tries the next whole places, too, where the file was rounded to few digits.
     near = off[off < 0.5]
     coarse = len(near) > 0 and float(np.median(near)) > ROUNDED
-    within = 1.0 - NEAR if coarse else min(0.5, window_of(near, plan.layout))
+    within = min(1.0 - NEAR if coarse else 0.5, window_of(near, plan.layout))
     held[vertex[off <= within]] = True
     missed = [np.flatnonzero(~held[group.vertex]) for group, _ in parts]
     if any(len(rows) for rows in missed):

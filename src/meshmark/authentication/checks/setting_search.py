@@ -232,8 +232,8 @@ def plain_candidates(
     points: FloatArray, rings: Rings, shapes: RingShapes, setting: Setting, subkey: bytes
 ) -> Candidates:
     """Return the one candidate of each ring that a file of full precision has."""
-    plain = [placed(points, found) for found in plain_ways(rings, shapes, setting, subkey)]
-    return as_laid_out(joined(plain), setting.layout)
+    plain = plain_ways(rings, shapes, setting, subkey)
+    return as_laid_out(joined(placed(points, found) for found in plain), setting.layout)
 
 
 def all_candidates(

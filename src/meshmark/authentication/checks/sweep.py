@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
@@ -91,11 +93,11 @@ def sweep(
     plain = [each for part in parts for each in plain_ways(*part, setting, subkey)]
     blind = nonce is None and not setting.layout.pieces_only
     if blind:  # most surfaces have no marks, which a tenth of the readings shows
-        header = joined([placed(points, each.of_kind(HEADER)) for each in plain])
+        header = joined(placed(points, each.of_kind(HEADER)) for each in plain)
         if _surely_none(header, read_marks(header, key, setting.layout, None), setting):
             return None
-    found = as_laid_out(joined([placed(points, each) for each in plain]), setting.layout)
-    del plain
+    # One after another, as each takes much room.
+    found = as_laid_out(joined(placed(points, plain.pop(0)) for _ in range(len(plain))), setting.layout)
     able, held = np.zeros((2, len(points)), bool)
     for group, shape in parts:
         able[group.vertex] = able_rings(shape, setting)
@@ -107,13 +109,8 @@ def sweep(
         none = _surely_none(found, read, setting)
     again = _around(parts, able & ~vouched(parts, held))
     if not readable or (again.any() and not none):
-        rest = [
-            all_candidates(points, group.take(rows), shape.take(rows), setting, subkey)
-            for group, shape in parts
-            for chosen in [np.flatnonzero(again[group.vertex])]
-            for rows in (chosen[block] for block in blocks(max(len(chosen), 1), _BLOCK))
-        ]
-        found = joined([found.take(~again[found.vertex]), *rest])
+        found = found.take(~again[found.vertex])
+        found = joined(chain([found], _all(points, parts, again, setting, subkey)))
         if blind:
             identity = _reported_id(found, key, setting)
         if blind and identity is None:
@@ -134,6 +131,17 @@ def sweep(
         found, unread = with_beside(found, tries.take(held)), tries.take(~held)
         read = read.take(np.concatenate([np.arange(first), first + np.flatnonzero(held)]))
     return Sweep(found=found, read=read, nonce=identity, able=able, rounded=rounded, unread=unread)
+
+
+def _all(
+    points: FloatArray, parts: _Parts, chosen: NDArray[np.bool_], setting: Setting, subkey: bytes
+) -> Iterator[Candidates]:
+    """Yield all candidates of the rings of chosen (p,) points, some rings at a time."""
+    for group, shape in parts:
+        rows = np.flatnonzero(chosen[group.vertex])
+        for block in blocks(len(rows), _BLOCK):
+            some = rows[block]
+            yield all_candidates(points, group.take(some), shape.take(some), setting, subkey)
 
 
 def _surely_none(found: Candidates, read: Read, setting: Setting) -> bool:

@@ -5,6 +5,7 @@ Every candidate counts as a try.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, fields, replace
 from itertools import product
 from typing import Final
@@ -35,7 +36,7 @@ from meshmark.authentication.parameters import (
     Layout,
 )
 from meshmark.coding.keyed import unit_interval
-from meshmark.geometry.blocks import blocks
+from meshmark.geometry.blocks import append, blocks
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = [
@@ -44,31 +45,31 @@ __all__ = [
 ]  # fmt: skip
 
 _TINY: Final = 1e-300
+BINDING: Final = slice(3, 7)
+"""Which of a ring's keyed numbers bind its symbol: factor, summand, mask and a direction; others place it."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Candidates:
     """c candidates.
 
-    ring: (c,) the rows of the rings; vertex: (c,) their middle points. level: (c,) of the step; step: (c,) in scene
-    units. axes: (c, 3, 3) rows. centre: (c, 3) the mean of the ring. kind: (c,) HEADER, PLACE or PAYLOAD; index:
-    (c,) uint32 of the symbol. words: (c, 7) uint64, the ring's keyed numbers. place: (c, 3) of the point in its
-    ring, in steps, less the dither: a mark has whole numbers here; whole: (c, 3) those that are tried. boundary:
-    (c,) a bit for each neighbour that is on a boundary, in the ring's order.
+    ring: (c,) the rows of the rings; vertex: (c,) their middle points. centre: (c, 3) the mean of the ring. kind:
+    (c,) HEADER, PLACE or PAYLOAD; index: (c,) uint32 of the symbol. name: (c,) uint64 of the ring, the first of its
+    keyed numbers; words: (c, 4) uint64, those that the symbol is bound by. place: (c, 3) of the point in its ring,
+    in steps, less the dither: a mark has whole numbers here; whole: (c, 3) those that are tried. boundary: (c,) a
+    bit for each neighbour that is on a boundary, in the ring's order.
     """
 
-    ring: IntArray
-    vertex: IntArray
-    level: IntArray
-    step: FloatArray
-    axes: FloatArray
+    ring: NDArray[np.int32]
+    vertex: NDArray[np.int32]
     centre: FloatArray
-    kind: IntArray
+    kind: NDArray[np.int8]
     index: NDArray[np.uint32]
+    name: NDArray[np.uint64]
     words: NDArray[np.uint64]
     place: FloatArray
     whole: IntArray
-    boundary: IntArray
+    boundary: NDArray[np.int32]
 
     def take(self, rows: IntArray | NDArray[np.bool_]) -> Candidates:
         """Return these rows."""
@@ -87,19 +88,20 @@ class Beside:
         return Beside(row=self.row[rows], whole=self.whole[rows])
 
 
-def joined(parts: list[Candidates]) -> Candidates:
-    """Return the candidates of several lists, at least one, in one."""
-    return Candidates(
-        **{
-            field.name: np.concatenate([getattr(part, field.name) for part in parts])
-            for field in fields(Candidates)
-        }
-    )
+def joined(parts: Iterable[Candidates]) -> Candidates:
+    """Return the candidates of several lists, at least one, in one; of an iterator there is one part at a time."""
+    remaining = iter(parts)
+    first = next(remaining)
+    whole = {field.name: getattr(first, field.name).copy() for field in fields(Candidates)}
+    for part in remaining:
+        for name, values in whole.items():
+            append(values, getattr(part, name))
+    return Candidates(**whole)
 
 
 def as_laid_out(found: Candidates, layout: Layout) -> Candidates:
     """Return the candidates as marks of a layout: all headers where it has pieces of the id only."""
-    return replace(found, kind=np.full(len(found.kind), HEADER)) if layout.pieces_only else found
+    return replace(found, kind=np.full_like(found.kind, HEADER)) if layout.pieces_only else found
 
 
 def beside(found: Candidates, chosen: NDArray[np.bool_], least: float) -> Beside:
@@ -184,7 +186,7 @@ def placed(points: FloatArray, found: Ways) -> Candidates:
     """Return the candidates that ways to read rings make of points (p, 3)."""
     rings, shapes, row, order, words = found.rings, found.shapes, found.row, found.order, found.words
     size = rings.around.shape[1]
-    offsets = shapes.offsets[row[:, None], order]
+    offsets = shapes.offsets(row, order)
     axes = frames(offsets, shapes.normal[row])
     base = np.einsum("rki,rk->ri", offsets, _weights(words[:, 1], size)) if shapes.style.pull else 0.0
     vertex, step = rings.vertex[row], step_of(found.level)
@@ -194,17 +196,15 @@ def placed(points: FloatArray, found: Ways) -> Candidates:
     boundary = rings.boundary[row[:, None], order] @ (1 << np.arange(size))
     return Candidates(
         ring=row,
-        vertex=vertex,
-        level=found.level,
-        step=step * shapes.size[row],
-        axes=axes,
+        vertex=vertex.astype(np.int32),
         centre=shapes.centre[row],
         kind=found.kind,
         index=index,
-        words=words,
+        name=words[:, 0].copy(),
+        words=words[:, BINDING],
         place=place,
         whole=np.round(place).astype(np.int64),
-        boundary=boundary,
+        boundary=boundary.astype(np.int32),
     )
 
 

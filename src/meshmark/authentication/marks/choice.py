@@ -67,5 +67,5 @@ def alike(found: Candidates, kept: NDArray[np.bool_] | None = None) -> IntArray:
     header = found.take(found.kind == HEADER)
     if kept is not None:
         header = header.take(np.argsort(~kept[header.vertex], kind="stable"))
-    first = np.unique(header.words[:, 0], return_index=True)[1]
+    first = np.unique(header.name, return_index=True)[1]
     return np.delete(header.vertex, first)

@@ -59,7 +59,7 @@ def headers_first(
     components = () if layout.pieces_only else large_components(surface, MOST_MARKED)
     pieces = pieces_of_id(layout.symbol)
     told = _headers(found, chance)
-    told = told.take(np.sort(np.unique(told.words[:, 0], return_index=True)[1]))
+    told = told.take(np.sort(np.unique(told.name, return_index=True)[1]))
     lacking = [each for each in components if min(map(len, _by_piece(told, each, pieces))) < _ENOUGH]
     if not lacking:
         return first
@@ -89,7 +89,7 @@ def _dealt(rows: list[list[IntArray]], header: Candidates) -> list[int]:
 
     rows: for each component and each piece. Components that are alike share their rings: each takes one in turn.
     """
-    ring = header.words[:, 0].tolist()
+    ring = header.name.tolist()
     taken: set[int] = set()
     chosen = []
     for turn, piece in product(range(_WANTED), range(len(rows[0]))):

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from array import array
 from collections import deque
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from meshmark.geometry.adjacency import adjacency
+from meshmark.geometry.adjacency import joined
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["independent_points"]
@@ -37,12 +38,16 @@ def independent_points(edges: IntArray, eligible: NDArray[np.bool_], chance: Flo
     chosen = np.zeros(len(eligible), bool)
     seeds = np.flatnonzero(eligible)
     seeds = seeds[np.argsort(chance[seeds])]
-    graph = adjacency(edges[eligible[edges].all(axis=1)], len(eligible))
-    chosen[_grow(seeds.tolist(), graph.indptr.tolist(), graph.indices.tolist())] = True
+    graph = joined(edges[eligible[edges].all(axis=1)], len(eligible))
+    # Arrays of numbers as they stand: a tenth of the room that a list of objects takes.
+    start, neighbours = (
+        array("i", values.astype(np.int32).tobytes()) for values in (graph.indptr, graph.indices)
+    )
+    chosen[_grow(seeds.tolist(), start, neighbours)] = True
     return chosen
 
 
-def _grow(seeds: list[int], start: list[int], neighbours: list[int]) -> list[int]:
+def _grow(seeds: list[int], start: array[int], neighbours: array[int]) -> list[int]:
     free = bytearray(len(start) - 1)
     for point in seeds:
         free[point] = 1

@@ -14,6 +14,7 @@ from meshmark.authentication.marks.candidates import HEADER, PAYLOAD, PLACE, Can
 from meshmark.authentication.marks.choice import alike, completed, firm_first
 from meshmark.authentication.marks.component_headers import headers_first
 from meshmark.authentication.marks.model_cells import cells_of, masks
+from meshmark.authentication.marks.moved_marks import moved_marks
 from meshmark.authentication.marks.ring_room import RingRoom, covered
 from meshmark.authentication.marks.symbols import covers_id, header_symbols, pieces_of_id, place_symbols
 from meshmark.authentication.marks.words import bind, places_of, words_of
@@ -48,13 +49,14 @@ SymbolSource = Callable[[NDArray[np.uint32]], NDArray[np.uint16]]
 class Plan:
     """What a surface can carry; `mark` writes it.
 
-    surface: that is to be marked. found: the m marks as their rings read before. layout: bits per mark. unit:
-    smallest step, in scene units. covered: share of the points that faces use which are marks or in the ring of
-    one, 0 to 1.
+    surface: that is to be marked. found: the m marks as their rings read before. style, layout: of the marks, and
+    their bits. unit: smallest step, in scene units. covered: share of the points that faces use which are marks or
+    in the ring of one, 0 to 1.
     """
 
     surface: Surface = field(repr=False)
     found: Candidates = field(repr=False)
+    style: Style
     layout: Layout
     unit: float
     covered: float
@@ -75,7 +77,7 @@ class Plan:
         return not len(alike(self.found))
 
     @property
-    def marks(self) -> IntArray:
+    def marks(self) -> NDArray[np.int32]:
         """Return the points that carry marks (m,)."""
         return self.found.vertex
 
@@ -180,6 +182,7 @@ def plan(surface: Surface, key: Key, precision: float, choice: int = 0, style: S
                 return Plan(
                     surface=surface,
                     found=found,
+                    style=style,
                     layout=layout,
                     unit=unit,
                     covered=covered(surface, chosen),
@@ -226,14 +229,12 @@ def mark(plan: Plan, key: Key, nonce: int, symbols: SymbolSource, *, bound: bool
     if bound:
         middle, radius = _frame(surface)
         cells = cells_of((found.centre[payload] - middle) / radius, layout.symbol)
-        symbol[payload] ^= masks(key, nonce, layout.symbol)(found.words[payload, 0], cells)
+        symbol[payload] ^= masks(key, nonce, layout.symbol)(found.name[payload], cells)
     words = words_of(symbol, found.boundary, bind(found, key, nonce), layout)
     place = places_of(words, found.place, layout)
     change = place - found.place
-    points = surface.points.copy()
-    points[found.vertex] += np.einsum("rj,rji->ri", change * found.step[:, None], found.axes)
     return Marked(
-        points=points,
+        points=moved_marks(surface, plan.unit, plan.style, found.vertex, change),
         place=place,
         count=len(found.vertex),
         bits_per_mark=layout.bits,

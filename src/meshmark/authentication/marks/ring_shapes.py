@@ -11,6 +11,7 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from meshmark.arrays import AnyIntArray
 from meshmark.authentication.marks.rings import Rings
 from meshmark.authentication.parameters import FINE, Style
 from meshmark.geometry.blocks import blocks
@@ -29,18 +30,19 @@ _BLOCK = 1 << 16
 class RingShapes:
     """Shapes of r rings of k neighbours.
 
-    centre: (r, 3) mean of the neighbours. size: (r,) their RMS distance from it, in scene units; 0 where they
-    coincide. offsets: (r, k, 3) the neighbours less the centre, in units of the size. normal: (r, 3) unit, of
-    the polygon's area vector; zeros where it has none. distance: (r, k) lengths of the offsets. chord: (r, k)
+    points: (p, 3) of the surface; around: (r, k) the neighbours among them. centre: (r, 3) mean of the neighbours.
+    size: (r,) their RMS distance from it, in scene units; 0 where they coincide. normal: (r, 3) unit, of the
+    polygon's area vector; zeros where it has none. distance: (r, k) lengths of the offsets. chord: (r, k)
     from each neighbour to the next. spread: (r,) how much an error of one coordinate of every neighbour and of
     the middle point grows in the point's place in the ring, a factor of standard deviations. sway: (r,) how much
     such an error turns the ring's frame, in radians for an error of one ring size: large where it is a needle.
     style: of the marks that the spread is that of.
     """
 
+    points: FloatArray
+    around: NDArray[np.int32]
     centre: FloatArray
     size: FloatArray
-    offsets: FloatArray
     normal: FloatArray
     distance: FloatArray
     chord: FloatArray
@@ -50,24 +52,37 @@ class RingShapes:
 
     def take(self, rows: IntArray | NDArray[np.bool_] | slice) -> RingShapes:
         """Return these rows."""
-        arrays = [field.name for field in fields(self) if field.name != "style"]
-        return RingShapes(**{name: getattr(self, name)[rows] for name in arrays}, style=self.style)
+        return replace(self, **{name: getattr(self, name)[rows] for name in ("around", *_MEASURED)})
+
+    def offsets(self, rows: AnyIntArray | slice, order: AnyIntArray | None = None) -> FloatArray:
+        """Return (n, k, 3): the neighbours of some rings less the centre, in units of the size.
+
+        order: (n, k) in which to take them. They would take more room than all else, and are quickly made.
+        """
+        around = self.around[rows] if order is None else np.take_along_axis(self.around[rows], order, 1)
+        offsets = self.points[around] - self.centre[rows][:, None]
+        offsets /= np.maximum(self.size[rows], _TINY)[:, None, None]
+        return offsets
+
+
+_MEASURED = tuple(
+    field.name for field in fields(RingShapes) if field.name not in ("points", "around", "style")
+)
 
 
 def ring_shapes(points: FloatArray, rings: Rings, style: Style = FINE) -> RingShapes:
     """Return the shapes of rings, of points (p, 3), for marks of a style."""
     if len(rings.vertex) <= _BLOCK:
         return _shapes(points, rings, style)
-    names = [field.name for field in fields(RingShapes) if field.name != "style"]
     whole: dict[str, FloatArray] = {}
     for block in blocks(len(rings.vertex), _BLOCK):
         part = _shapes(points, rings.take(block), style)
-        for name in names:
+        for name in _MEASURED:
             found = getattr(part, name)
             if name not in whole:
                 whole[name] = np.empty((len(rings.vertex), *found.shape[1:]))
             whole[name][block] = found
-    return RingShapes(**whole, style=style)
+    return RingShapes(points=points, around=rings.around, **whole, style=style)
 
 
 def _shapes(points: FloatArray, rings: Rings, style: Style) -> RingShapes:
@@ -85,9 +100,10 @@ def _shapes(points: FloatArray, rings: Rings, style: Style) -> RingShapes:
     leading = _rolled(offsets, distance.argmax(axis=1))
     spread, sway = _growth(leading, normal, np.maximum(extent, _TINY), style)
     return RingShapes(
+        points=points,
+        around=rings.around,
         centre=centre,
         size=size,
-        offsets=offsets,
         normal=normal,
         distance=distance,
         chord=np.sqrt(np.einsum("rki,rki->rk", step, step)),
@@ -107,9 +123,14 @@ def in_style(shapes: RingShapes, style: Style) -> RingShapes:
 
 def spreads_from(shapes: RingShapes, start: IntArray) -> FloatArray:
     """Return the spreads (r,) that the rings have where neighbour `start` (r,) leads."""
-    area = 0.5 * _cross(shapes.offsets, np.roll(shapes.offsets, -1, axis=1)).sum(axis=1)
-    extent = np.maximum(np.sqrt(np.einsum("ri,ri->r", area, area)), _TINY)
-    return _growth(_rolled(shapes.offsets, start), shapes.normal, extent, shapes.style)[0]
+    spreads = np.empty(len(start))
+    for rows in blocks(len(start), _BLOCK):
+        offsets = shapes.offsets(rows)
+        area = 0.5 * _cross(offsets, np.roll(offsets, -1, axis=1)).sum(axis=1)
+        extent = np.maximum(np.sqrt(np.einsum("ri,ri->r", area, area)), _TINY)
+        leading = _rolled(offsets, start[rows])
+        spreads[rows] = _growth(leading, shapes.normal[rows], extent, shapes.style)[0]
+    return spreads
 
 
 def _growth(

@@ -13,6 +13,7 @@ from typing import Final, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from meshmark.arrays import AnyIntArray
 from meshmark.authentication.marks.ring_shapes import RingShapes, starts
 from meshmark.authentication.marks.rings import Rings
 from meshmark.authentication.parameters import AMBIGUOUS, HASH_STEP, HASH_STEPS
@@ -42,11 +43,11 @@ class Ways:
 
     rings: Rings = field(repr=False)
     shapes: RingShapes = field(repr=False)
-    row: IntArray
-    order: IntArray
-    level: IntArray
+    row: NDArray[np.int32]
+    order: NDArray[np.int8]
+    level: NDArray[np.int16]
     words: NDArray[np.uint64]
-    kind: IntArray
+    kind: NDArray[np.int8]
 
     def of_kind(self, kind: int) -> Ways:
         """Return those of a kind."""
@@ -62,7 +63,7 @@ class Hash(Protocol):
         """Return the numbers (n, WORDS) of rings as they were read (n, 2 + 2k), lengths in units `cell` (n,)."""
 
 
-def step_of(level: IntArray) -> FloatArray:
+def step_of(level: AnyIntArray) -> FloatArray:
     """Return the steps (r,) of levels, in units of the ring size."""
     return np.asarray(2.0 ** (-np.asarray(level, np.float64) / 2.0))
 
@@ -97,10 +98,16 @@ def ways(
     heads = np.stack([level[row], rings.open[rows[row]].astype(np.int64)], axis=1)
     read = np.concatenate([heads, whole], axis=1)
     words = cell_words(subkey, read, WORDS) if isinstance(subkey, bytes) else subkey(read, cell)
-    kind = (words[:, 0] >> np.uint64(59)).astype(np.int64)
-    kind = np.where(kind < _HEADERS, HEADER, np.where(kind < _HEADERS + _PLACES, PLACE, PAYLOAD))
+    part = words[:, 0] >> np.uint64(59)
+    kind = np.where(part < _HEADERS, HEADER, np.where(part < _HEADERS + _PLACES, PLACE, PAYLOAD))
     return Ways(
-        rings=rings, shapes=shapes, row=rows[row], order=order, level=level[row], words=words, kind=kind
+        rings=rings,
+        shapes=shapes,
+        row=rows[row].astype(np.int32),
+        order=order.astype(np.int8),
+        level=level[row].astype(np.int16),
+        words=words,
+        kind=kind.astype(np.int8),
     )
 
 

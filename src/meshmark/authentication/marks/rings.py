@@ -7,12 +7,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from meshmark.geometry.blocks import blocks
+from meshmark.geometry.corners import corners_of_points
 from meshmark.mesh import IntArray
 
 __all__ = ["LARGEST", "SMALLEST", "Rings", "ordered_rings"]
 
 # A ring of fewer neighbours has no plane of its own; one of more is a hub, whose faces are slivers.
 SMALLEST, LARGEST = 3, 14
+# Points whose rings are walked at once: the corners of all of a large model would take gigabytes meanwhile.
+_BLOCK = 1 << 16
+# Which corner of a face follows each, and which comes before it.
+_AFTER, _BEFORE = np.array([1, 2, 0]), np.array([2, 0, 1])
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -25,7 +31,7 @@ class Rings:
     """
 
     vertex: IntArray
-    around: IntArray
+    around: NDArray[np.int32]
     open: NDArray[np.bool_]
     boundary: NDArray[np.bool_]
 
@@ -44,9 +50,41 @@ def ordered_rings(faces: IntArray, count: int) -> list[Rings]:
 
     Points where faces turn against each other, or where several fans meet, have none.
     """
-    centre = faces.ravel()
-    start = faces[:, [1, 2, 0]].ravel()
-    end = faces[:, [2, 0, 1]].ravel()
+    boundary = np.ones(count, bool)
+    found: dict[int, list[Rings]] = {size: [] for size in range(SMALLEST, LARGEST + 1)}
+    at, face_of, slot_of = corners_of_points(faces, count)
+    for block in blocks(count, _BLOCK):
+        corners = slice(at[block.start], at[block.stop])
+        centre = np.repeat(np.arange(block.stop - block.start), np.diff(at[block.start : block.stop + 1]))
+        face, slot = faces[face_of[corners]], slot_of[corners]
+        rows = np.arange(len(face))
+        closed, groups = _rings(centre, face[rows, _AFTER[slot]], face[rows, _BEFORE[slot]], block)
+        boundary[block] = ~closed
+        for group in groups:
+            found[group.around.shape[1]].append(group)
+    return [_joined(groups, boundary) for groups in found.values() if groups]
+
+
+def _joined(groups: list[Rings], boundary: NDArray[np.bool_]) -> Rings:
+    """Return rings of one size in one; boundary: (p,) points that are on a boundary."""
+    around = np.concatenate([group.around for group in groups])
+    return Rings(
+        vertex=np.concatenate([group.vertex for group in groups]),
+        around=around,
+        open=np.concatenate([group.open for group in groups]),
+        boundary=boundary[around],
+    )
+
+
+def _rings(
+    centre: IntArray, start: IntArray, end: IntArray, points: slice
+) -> tuple[NDArray[np.bool_], list[Rings]]:
+    """Return which of some points have one fan all about them, and the rings of those with one fan at all.
+
+    centre: (n,) of each corner its point, counted from the first of `points`, rising; start, end: (n,) those of its
+    face that follow. Which neighbours are on a boundary is left open.
+    """
+    count = points.stop - points.start
     following, doubtful = _following(centre, start, end, count)
     has_previous = np.zeros(len(centre), bool)
     has_previous[following[following >= 0]] = True
@@ -57,17 +95,23 @@ def ordered_rings(faces: IntArray, count: int) -> list[Rings]:
     first = np.full(count, -1)
     first[centre] = np.arange(len(centre))
     first[centre[~has_previous]] = np.flatnonzero(~has_previous)
-    boundary = ~(good & (ends == 0))
     rings = []
     for size in range(SMALLEST, LARGEST + 1):
         vertex = np.flatnonzero(good & (corners + ends == size))
         if len(vertex):
             around, whole = _walk(first[vertex], following, start, end, ends[vertex] == 1, size=size)
             vertex, around = vertex[whole], around[whole]
-            rings.append(
-                Rings(vertex=vertex, around=around, open=ends[vertex] == 1, boundary=boundary[around])
-            )
-    return [group for group in rings if len(group.vertex)]
+            if len(vertex):
+                none = np.zeros((0, size), bool)
+                rings.append(
+                    Rings(
+                        vertex=points.start + vertex,
+                        around=around.astype(np.int32),
+                        open=ends[vertex] == 1,
+                        boundary=none,
+                    )
+                )
+    return good & (ends == 0), rings
 
 
 def _following(

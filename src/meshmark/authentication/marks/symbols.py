@@ -155,7 +155,7 @@ def place_values(
 
 def directions(found: Candidates) -> FloatArray:
     """Return (c, 3) keyed unit vectors."""
-    word = found.words[:, 6]
+    word = found.words[:, 3]
     vectors = np.stack([unit_interval(word << np.uint64(21 * axis)) for axis in range(3)], axis=1) - 0.5
     return np.asarray(vectors / np.maximum(np.linalg.norm(vectors, axis=1), 1e-9)[:, None])
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from meshmark.arrays import AnyIntArray
 from meshmark.authentication.marks.candidates import HEADER, Candidates
 from meshmark.authentication.parameters import Layout
 from meshmark.coding.keyed import cell_words
@@ -27,17 +28,17 @@ def bind(found: Candidates, key: Key, nonce: int | NDArray[np.uint64] | None) ->
 
     nonce: of all, or (c,) of each. Without one the others are meaningless.
     """
-    bound = found.words[:, 3:6].copy()
+    bound = found.words[:, :3].copy()
     rows = np.flatnonzero(found.kind != HEADER)
     if nonce is not None and len(rows):
-        ring = found.words[rows][:, [0, 3, 4]].view(np.int64)
+        ring = np.column_stack([found.name[rows], found.words[rows, :2]]).view(np.int64)
         model = np.broadcast_to(np.asarray(nonce, np.uint64), len(bound))[rows, None].view(np.int64)
         bound[rows] = cell_words(key.subkey(_BOUND), np.concatenate([model, ring], axis=1), 3)
     return bound
 
 
 def words_of(
-    symbols: IntArray, boundary: IntArray, bound: NDArray[np.uint64], layout: Layout
+    symbols: IntArray, boundary: AnyIntArray, bound: NDArray[np.uint64], layout: Layout
 ) -> NDArray[np.uint64]:
     """Return the masked words (c,) of symbols (c,) in rings of which `boundary` (c,) is on a boundary."""
     symbol = symbols.astype(np.uint64)
@@ -53,7 +54,7 @@ def places_of(words: NDArray[np.uint64], place: FloatArray, layout: Layout) -> I
 
 
 def symbols_at(
-    places: IntArray, boundary: IntArray, bound: NDArray[np.uint64], layout: Layout
+    places: IntArray, boundary: AnyIntArray, bound: NDArray[np.uint64], layout: Layout
 ) -> tuple[IntArray, NDArray[np.bool_]]:
     """Return the symbols (c,) that whole places (c, 3) say, and whether their MAC holds."""
     word = places % np.array(layout.radix) @ _weights(layout)
@@ -65,7 +66,7 @@ def symbols_at(
 
 
 def _mac(
-    symbol: NDArray[np.uint64], boundary: IntArray, bound: NDArray[np.uint64], layout: Layout
+    symbol: NDArray[np.uint64], boundary: AnyIntArray, bound: NDArray[np.uint64], layout: Layout
 ) -> NDArray[np.uint64]:
     text = symbol | boundary.astype(np.uint64) << np.uint64(16)
     mixed = bound[:, 0] * (text + np.uint64(1)) + bound[:, 1]

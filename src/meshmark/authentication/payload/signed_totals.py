@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshmark.errors import InputError
+from meshmark.geometry.blocks import blocks
 from meshmark.geometry.components import connected_components
 from meshmark.geometry.shown import Shown, times_of
 from meshmark.geometry.surface import Surface
@@ -91,9 +92,7 @@ def whole_of(
     grid makes one are one already, but for a few that marks bring together (`Examination.points_missing`).
     """
     least = 0.0 if web else _APART * precision
-    used, edges = surface.used, surface.edges
-    steps = surface.points[edges[:, 0]] - surface.points[edges[:, 1]]
-    apart = bool((np.einsum("ij,ij->i", steps, steps) > least**2).all())
+    used, apart = surface.used, _apart(surface, least)
     half, areas = 0.5 * surface.diagonal, surface.face_areas
     if scene is None:
         return Whole(points=int(used.sum()) if apart else 0, area=float(areas.sum()) / half**2)
@@ -101,6 +100,16 @@ def whole_of(
     area = float(areas @ times[surface.faces[:, 0]])
     points = int(times[used].sum()) if apart else 0
     return Whole(points=points, area=area / half**2, distinct=int(used.sum()))
+
+
+def _apart(surface: Surface, least: float) -> bool:
+    """Return whether all edges are longer than `least`, in scene units."""
+    for part in blocks(len(surface.edges)):
+        start, end = surface.edges[part].T
+        steps = surface.points[start] - surface.points[end]
+        if not (np.einsum("ij,ij->i", steps, steps) > least**2).all():
+            return False
+    return True
 
 
 def points_shown(surface: Surface) -> int:

@@ -82,7 +82,7 @@ def _uniform(element: Element, data: PlyData, begin: int) -> tuple[Columns, int]
                 return None
     places = {entry.name: rows + offsets.get(entry.name, 0) for entry in element.properties}
     sizes = {
-        entry.name: np.full(element.rows, counts.get(entry.name, 0))
+        entry.name: np.broadcast_to(np.int64(counts.get(entry.name, 0)), element.rows)  # takes no room
         for entry in element.properties
         if entry.count is not None
     }

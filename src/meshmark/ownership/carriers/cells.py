@@ -155,10 +155,13 @@ def _matrix(positions: FloatArray, cells: Cells, change: _Change) -> sp.csr_arra
     shape = (len(cells.nodes), len(positions))
     if 0 in shape:
         return sp.csr_array(shape)
-    rows, columns, values = zip(*_pairs(positions, cells, change, [slice(None)]), strict=True)
-    return sp.csr_array(
-        (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=shape
-    )
+    pairs = [
+        (row.astype(np.int32), column.astype(np.int32), value)
+        for row, column, value in _pairs(positions, cells, change, blocks(len(positions)))
+    ]
+    rows, columns, values = map(np.concatenate, zip(*pairs, strict=True))
+    del pairs
+    return sp.csr_array((values, (rows, columns)), shape=shape)
 
 
 def _pairs(

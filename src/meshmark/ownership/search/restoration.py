@@ -90,7 +90,8 @@ def restorations(surface: Surface, frame_known: bool = False) -> Iterator[Restor
     yield Restoration(shapes=(Shape(surface.points),))
     filters = [_low_pass(t) for t in LOW_PASS] + [_undone(t) for t in UNDONE[1:]]
     centre = surface.points.mean(axis=0)
-    filtered = centre + spectral_filters(surface.walk, surface.points - centre, filters)
+    filtered = spectral_filters(surface.walk, surface.points - centre, filters)
+    filtered += centre
     smooth, smoother, *undone = map(Shape, filtered)
     # Noise makes areas uneven, and by that moves the frame by more than a lock reaches; of the smoothest shape it
     # moves it least.

@@ -98,6 +98,7 @@ class Shapes:
                 self._plans = SamplerPlans(self._faces, face_lengths(canonical, self._faces))
             sampler = self._plans.plan(canonical, longest)
             if shape not in self._sampled or self._sampled[shape][0] is not sampler:
+                self._sampled.clear()  # those of one shape at a time: they take more room than the shape
                 self._sampled[shape] = sampler, sampler(canonical)
             known[spacing] = gathered(self._sampled[shape][1], GATHER * longest)
         return known[spacing]
