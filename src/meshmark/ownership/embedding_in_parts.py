@@ -89,7 +89,7 @@ def embed_in_parts(task: EmbeddingTask, owned: Owned, parts: Sequence[AssemblyPa
     parts : sequence of AssemblyPart
         Of the surface of the unmarked mesh.
     """
-    left = MarkLeft(task, owned)
+    left = MarkLeft(task=task, owned=owned)
     for cost in COSTS if owned.mark.at_points else COSTS[:1]:
         made = _marked(task, owned, parts, cost)
         if made.mark.parts and left.enough_in(made):

@@ -61,7 +61,8 @@ def with_fingerprint(task: EmbeddingTask, owned: Owned) -> Owned:
     if points is None:
         return owned
     made = replace(owned, mesh=task.moved(points))
-    return made if MarkLeft(task, owned, SEEN_MORE).enough_in(made) and _parts_are_read(task, made) else owned
+    left = MarkLeft(task=task, owned=owned, seen_more=SEEN_MORE)
+    return made if left.enough_in(made) and _parts_are_read(task, made) else owned
 
 
 def _parts_are_read(task: EmbeddingTask, made: Owned) -> bool:

@@ -20,7 +20,7 @@ LEFT = 0.9
 SEEN_MORE = 0.1
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class MarkLeft:
     """The limits of what is added to `owned`, the mark of the task's model.
 
