@@ -74,7 +74,7 @@ SCENES = (
         alt="The hare with a part deleted, its tamper map, and the recovered hare",
         words="A part is deleted, which leaves a hole; it is filled with what the miniature has of it.",
         commands=(
-            "attack marked.ply holed.ply delete_part 0.1 --seed 12",
+            "attack marked.ply holed.ply delete_part 0.1 --seed 21",
             "recover holed.ply filled.ply --key my.key --picture deleted.png",
         ),
     ),
