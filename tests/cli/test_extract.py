@@ -7,7 +7,7 @@ from json_object import only_object
 
 import meshmark as mm
 from meshmark.coding.elapsed import SECONDS
-from tests.keys import IDENTITY
+from tests.keys import IDENTITY, KEY
 from tests.shapes import pebble
 
 EXTRACT = {
@@ -120,7 +120,7 @@ def test_a_part_of_a_model_is_read_with_its_certificate(tmp_path, cli, short_sea
         str(tmp_path / name) for name in ("in.ply", "marked.ply", "part.ply", "my.key", "model.cert")
     )
     mm.write_mesh(mm.Mesh(*pebble(90)), model)
-    cli("keygen", key)
+    KEY.save(key)
     arguments = ("--id", IDENTITY, "--layers", "ownership", "--certificate", certificate)
     cli("embed", model, marked, "--key", key, *arguments)
     cli("attack", marked, part, "crop", "0.3", "--seed", "7")

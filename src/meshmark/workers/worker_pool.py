@@ -129,6 +129,8 @@ class WorkerPool(Generic[_Job, _Result]):
         from pebble import ProcessExpired
 
         if not future.done():
+            wait((future,), timeout=_PATIENCE)  # a pool that has lost its worker may be about to say how
+        if not future.done():
             outcome = Lost(why="killed", note="the worker ended before it could begin")
         else:
             try:
