@@ -12,6 +12,8 @@ from meshmark.authentication.shown_otherwise import packed_deviations
 from meshmark.coding.keys import Key
 from meshmark.coding.message import ID_BITS, told_id
 from meshmark.errors import CapacityError
+from meshmark.geometry.surface_of import surface_of
+from meshmark.geometry.visibility import VisibleChange
 from meshmark.marking.authentication_layer import with_authentication
 from meshmark.marking.embedding_result import Embedding
 from meshmark.marking.fewer_bits import fewer_bits_that_fit
@@ -24,7 +26,7 @@ from meshmark.mesh import Mesh
 from meshmark.ownership.embedding import Owned
 from meshmark.ownership.vertex_displacement import displacement_rms, vertex_displacement
 from meshmark.scene.distinct import distinct
-from meshmark.strengths import BUDGETS
+from meshmark.strengths import BUDGETS, SHOWN_SHARES
 from meshmark.threads import on_one_thread
 
 __all__ = ["embed", "embed_for"]
@@ -38,6 +40,15 @@ _UNSIGNED = (
 _PRICE = (
     "the marks of authentication bear exports that round positions to 14 bits, as web pipelines do, and so carry "
     "less payload; --tolerance default has more, but loses its marks in such exports"
+)
+
+_SEEN_LESS = (
+    "the marks of authentication have short words, as those of --tolerance web, and so carry less payload: longer "
+    "ones would be seen on {:.0%} of the surface, as the model's numbers are small"
+)
+_SEEN = (
+    "the marks are seen on {:.0%} of the surface; the id alone (--layers ownership), or a model in smaller units, "
+    "shows less"
 )
 
 
@@ -76,8 +87,8 @@ def embed(
     tolerance : str, optional
         "strict", "tolerant" of exports that round coordinates to 16 bits or six digits, or "web", of those that
         round them to 14 bits, as web pipelines do; "default": of six digits where the payload need not suffer
-        (`precisions_of`). Without it, "web" for a glTF where there is room, else "default", but the layer may be
-        left out.
+        (`precisions_of`). Without it, "web" for a glTF where there is room, and where other marks would be seen,
+        else "default", but the layer may be left out.
 
     Returns
     -------
@@ -195,7 +206,8 @@ def _both(mesh: Mesh, request: MarkRequest) -> Embedding:
 def _first_that_fits(below: Owned | None, mesh: Mesh, request: MarkRequest) -> Embedding:
     """Return the authentication layer with the first tolerance that fits; a remark says what it costs or lacks."""
     if not request.web_first:
-        return _within_budget(below, mesh, request)
+        made = _within_budget(below, mesh, request)
+        return made if request.tolerance is not None else _less_seen(made, below, mesh, request)
     try:
         made = _within_budget(below, mesh, replace(request, tolerance="web"))
         remark = _PRICE
@@ -203,6 +215,29 @@ def _first_that_fits(below: Owned | None, mesh: Mesh, request: MarkRequest) -> E
         made = _within_budget(below, mesh, request)
         remark = f"exports that round positions to 14 bits, as web pipelines do, break the marks: {error}"
     return replace(made, remarks=(*made.remarks, remark))
+
+
+def _less_seen(made: Embedding, below: Owned | None, mesh: Mesh, request: MarkRequest) -> Embedding:
+    """Return the marks, or those of the tolerance "web" where the former are seen and the latter less.
+
+    Six decimals are coarse for a model of small numbers, and marks of long words move further to bear them.
+    """
+    surface = surface_of(mesh)
+    seen = VisibleChange(surface.points, surface.faces)
+
+    def share(result: Embedding) -> float:
+        return seen.of(result.mesh.vertices[surface.vertex_of_point]).share
+
+    shown = share(made)
+    if shown <= SHOWN_SHARES[request.strength]:
+        return made
+    try:
+        other = _within_budget(below, mesh, replace(request, tolerance="web"))
+    except CapacityError:
+        other = made
+    if share(other) < shown:
+        return replace(other, remarks=(*other.remarks, _SEEN_LESS.format(shown)))
+    return replace(made, remarks=(*made.remarks, _SEEN.format(shown)))
 
 
 def _within_budget(below: Owned | None, mesh: Mesh, request: MarkRequest) -> Embedding:
