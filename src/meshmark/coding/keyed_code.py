@@ -63,12 +63,7 @@ class KeyedCode:
 
     def likeliest(self, values: FloatArray) -> tuple[Bits, int, int, float]:
         """Return the best word of the code without mask: (word, its image, words compared, log10 of its chance)."""
-        images, words = self._decoder.decode(values, PATHS)
-        seen = np.flatnonzero(values)
-        agreement = values.sum() - 2.0 * (words[:, seen] @ values[seen])
-        best = int(np.argmax(agreement))
-        chance = log10_chance(values, float(agreement[best]), self.bits)
-        return words[best], int(images[best]), len(images), chance
+        return self._best(values, *self._decoder.decode(values, PATHS))
 
     def likeliest_below(self, values: FloatArray, log10_limit: float) -> tuple[Bits, int, int, float] | None:
         """Return what `likeliest` does, None where no word is less likely by chance than the limit.
@@ -86,6 +81,7 @@ class KeyedCode:
         return found if found[-1] <= log10_limit else None
 
     def _best(self, values: FloatArray, images: Sets, words: Bits) -> tuple[Bits, int, int, float]:
+        """Return the best of some words (w, n) with these images (w,), as `likeliest` does."""
         seen = np.flatnonzero(values)
         agreement = values.sum() - 2.0 * (words[:, seen] @ values[seen])
         best = int(np.argmax(agreement))

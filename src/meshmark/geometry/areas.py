@@ -16,6 +16,7 @@ __all__ = [
     "add_at_points",
     "area_fluxes",
     "area_vectors",
+    "cross_by_axis",
     "face_areas",
     "face_lengths",
     "sum_at_points",
@@ -111,6 +112,11 @@ def area_fluxes(points: FloatArray, faces: IntArray) -> FloatArray:
     both[:, :3] = area_vectors(points, faces)
     both[:, 3] = _lengths(both[:, :3])
     return both
+
+
+def cross_by_axis(one: FloatArray, other: FloatArray) -> FloatArray:
+    """Return the cross products of vectors whose coordinates come first, (3, ...) each."""
+    return np.stack([one[i] * other[j] - one[j] * other[i] for i, j in ((1, 2), (2, 0), (0, 1))])
 
 
 def _unit(vectors: FloatArray) -> FloatArray:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from meshmark.geometry.areas import cross_by_axis
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["Stars", "are_midpoints", "stars_of"]
@@ -57,7 +58,7 @@ def stars_of(points: FloatArray, faces: IntArray) -> Stars:
     # By coordinate, corner and face, the faces last; an edge leads from each corner to the next.
     ends = np.stack([axis.take(corner) for axis in np.ascontiguousarray(points.T)])
     edges = np.roll(ends, -1, axis=1) - ends
-    normals = _cross(edges[:, 0], edges[:, 1])
+    normals = cross_by_axis(edges[:, 0], edges[:, 1])
     double = _length(normals)
     lengths = _length(edges)
     longest = np.maximum(lengths.max(axis=0), 1e-300)
@@ -89,14 +90,9 @@ def _inward(faces: IntArray, along: FloatArray, normals: FloatArray) -> tuple[In
     name = np.minimum(start, end) * count + np.maximum(start, end)
     names, row = np.unique(name, return_inverse=True)
     # Face by face, as the names are.
-    into = [each.T.ravel() for each in _cross(normals[:, None], along)]
+    into = [each.T.ravel() for each in cross_by_axis(normals[:, None], along)]
     summed = np.stack([np.bincount(row.ravel(), axis, len(names)) for axis in into]).astype(float)
     return np.stack([names // max(count, 1), names % max(count, 1)]).astype(np.int64), summed
-
-
-def _cross(one: FloatArray, other: FloatArray) -> FloatArray:
-    """Return the cross products of vectors whose coordinates come first."""
-    return np.stack([one[i] * other[j] - one[j] * other[i] for i, j in ((1, 2), (2, 0), (0, 1))])
 
 
 def _length(vectors: FloatArray) -> FloatArray:

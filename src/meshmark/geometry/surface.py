@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,9 @@ from meshmark.geometry.extent import diagonal
 from meshmark.geometry.frame import MIRROR, Frame, canonical_frame
 from meshmark.geometry.invariants import shape_invariants
 from meshmark.mesh import FloatArray, IntArray
+
+if TYPE_CHECKING:
+    from meshmark.geometry.visibility import VisibleChange
 
 __all__ = ["Surface"]
 
@@ -49,6 +53,13 @@ class Surface:
         backwards = self.point_of_vertex[::-1]
         first[backwards] = np.arange(len(backwards))[::-1]  # the last assignment stays
         return first
+
+    @cached_property
+    def visible_change(self) -> VisibleChange:
+        """What judges how visible displacements of the points are."""
+        from meshmark.geometry.visibility import VisibleChange  # for embeddings alone
+
+        return VisibleChange(self.points, self.faces)
 
     @property
     def used(self) -> NDArray[np.bool_]:

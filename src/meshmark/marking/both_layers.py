@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from time import perf_counter
@@ -13,7 +14,6 @@ from meshmark.coding.keys import Key
 from meshmark.coding.message import ID_BITS, told_id
 from meshmark.errors import CapacityError
 from meshmark.geometry.surface_of import surface_of
-from meshmark.geometry.visibility import VisibleChange
 from meshmark.marking.authentication_layer import with_authentication
 from meshmark.marking.embedding_result import Embedding
 from meshmark.marking.fewer_bits import fewer_bits_that_fit
@@ -222,22 +222,20 @@ def _less_seen(made: Embedding, below: Owned | None, mesh: Mesh, request: MarkRe
 
     Six decimals are coarse for a model of small numbers, and marks of long words move further to bear them.
     """
-    surface = surface_of(mesh)
-    seen = VisibleChange(surface.points, surface.faces)
-
-    def share(result: Embedding) -> float:
-        return seen.of(result.mesh.vertices[surface.vertex_of_point]).share
-
-    shown = share(made)
+    shown = _shown(made, mesh)
     if shown <= SHOWN_SHARES[request.strength]:
         return made
-    try:
+    with suppress(CapacityError):
         other = _within_budget(below, mesh, replace(request, tolerance="web"))
-    except CapacityError:
-        other = made
-    if share(other) < shown:
-        return replace(other, remarks=(*other.remarks, _SEEN_LESS.format(shown)))
+        if _shown(other, mesh) < shown:
+            return replace(other, remarks=(*other.remarks, _SEEN_LESS.format(shown)))
     return replace(made, remarks=(*made.remarks, _SEEN.format(shown)))
+
+
+def _shown(made: Embedding, mesh: Mesh) -> float:
+    """Return the share of the surface where the marks are visible."""
+    surface = surface_of(mesh)
+    return surface.visible_change.of(made.mesh.vertices[surface.vertex_of_point]).share
 
 
 def _within_budget(below: Owned | None, mesh: Mesh, request: MarkRequest) -> Embedding:

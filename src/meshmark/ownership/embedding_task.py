@@ -122,10 +122,10 @@ class EmbeddingTask:
         points = marked.vertices[self.surface.vertex_of_point]
         return self.planes.off_plane(points) <= PLANE_OFF * self.diagonal
 
-    @cached_property
+    @property
     def seen(self) -> VisibleChange:
         """What judges how visible a mark is."""
-        return VisibleChange(self.surface.points, self.surface.faces)
+        return self.surface.visible_change
 
     @property
     def share(self) -> float:

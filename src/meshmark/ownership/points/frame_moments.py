@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from meshmark.geometry.areas import cross_by_axis
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["frame_moments"]
@@ -33,7 +34,7 @@ def frame_moments(
     count, corner = len(points), np.ascontiguousarray(faces.T)
     # By coordinate, corner and face; the faces last, which is fastest.
     ends = np.stack([axis.take(corner) for axis in np.ascontiguousarray(points.T)])
-    normal = _cross(ends[:, 1] - ends[:, 0], ends[:, 2] - ends[:, 0])
+    normal = cross_by_axis(ends[:, 1] - ends[:, 0], ends[:, 2] - ends[:, 0])
     double = np.sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2])
     area, normal = 0.5 * double, normal / np.maximum(double, 1e-300)
     total, summed = area.sum(), ends[:, 0] + ends[:, 1] + ends[:, 2]
@@ -41,7 +42,7 @@ def frame_moments(
     means += [((ends[i] * ends[j]).sum(axis=0) + summed[i] * summed[j]) / 12.0 for i, j in _PAIRS]
     values = np.array([area @ mean for mean in means]) / total
     across = np.roll(ends, 1, axis=1) - np.roll(ends, -1, axis=1)
-    grows = 0.5 * _cross(normal[:, None], across)
+    grows = 0.5 * cross_by_axis(normal[:, None], across)
     slopes = (ends + summed[:, None]) * (area / 12.0)
     at = corner.ravel()
 
@@ -67,8 +68,3 @@ def frame_moments(
     if with_area:
         values, gradient[9] = np.append(values, np.log(total)), growth / total
     return values, gradient.transpose(0, 2, 1)
-
-
-def _cross(one: FloatArray, other: FloatArray) -> FloatArray:
-    """Return the cross products of vectors whose coordinates come first."""
-    return np.stack([one[i] * other[j] - one[j] * other[i] for i, j in ((1, 2), (2, 0), (0, 1))])
