@@ -18,6 +18,7 @@ COMMANDS = {
     "authentication": "docs/results/authentication.md",
     "batch_runs": "docs/decisions/0029-batch.md",
     "by_hand": "docs/decisions/0015-by-hand-or-library.md",
+    "cell_locks": "docs/results/false-positives.md",
     "clean_channel": "docs/results/clean-channel.md",
     "coarse": "docs/results/coarse.md",
     "code": "docs/decisions/0004-code.md",
@@ -62,9 +63,9 @@ COMMANDS = {
 }
 ALONE = {
     "authenticate_speed", "batch_runs", "by_hand", "coarse", "compressed_gltf", "costa", "crops_and_mosaics",
-    "false_alarms", "hostile", "large_models", "lattice_labels", "original_recovery", "parts_of_assemblies",
-    "performance", "princeton", "published", "registration", "rivals_sanity", "same_behaviour", "security",
-    "sizing", "web_exports",
+    "false_alarms", "false_positives", "hostile", "large_models", "lattice_labels", "original_recovery",
+    "parts_of_assemblies", "performance", "princeton", "published", "registration", "rivals_sanity",
+    "same_behaviour", "security", "sizing", "web_exports",
 }  # fmt: skip
 
 

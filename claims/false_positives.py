@@ -1,8 +1,9 @@
 """Extractions that must find nothing: unmarked models under random keys, marked models under wrong keys.
 
-python -m claims.false_positives [--trials 2000] [--workers 2] [--folders models/test psb/test] [--plot SVG]
+python -m claims.false_positives ROWS.csv [--trials 3000] [--workers 2] [--folders models/test psb/test]
 
-After --minutes M no further model is begun; the table is of the trials made until then.
+Each trial is a row of ROWS.csv, written model by model; the same command goes on with the models that have none.
+After --minutes M no further model is begun; the table is of all rows there are.
 
 Figures of docs/results/false-positives.md.
 """
@@ -11,17 +12,19 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import csv
 import hashlib
 import sys
 from collections import Counter
 from concurrent.futures import ProcessPoolExecutor
 from itertools import repeat
 from pathlib import Path
-from time import monotonic
+from time import monotonic, process_time
 
 import numpy as np
 
-from claims.models import load, model_paths
+from claims.models import DATA, load, model_paths
+from claims.princeton import read_rows
 from meshmark.coding.keys import Key
 from meshmark.errors import MeshmarkError
 from meshmark.marking import embed, extract
@@ -30,8 +33,8 @@ from meshmark.research.benchmark.page.calibration import calibration_panel
 from meshmark.research.benchmark.page.report_parts import Entry
 
 
-def run_model(path: Path, trials: int, most_points: int, end: float) -> list[tuple[str, str, float]]:
-    """Return (kind, presence, log10 bound) of each trial on one model: half unmarked, half marked."""
+def run_model(path: Path, trials: int, most_points: int, end: float) -> list[tuple[str, str, float, float]]:
+    """Return (kind, presence, log10 bound, processor seconds) of each trial on one model, half of them marked."""
     if monotonic() > end:
         return []
     seed = hashlib.sha256(path.name.encode()).digest()
@@ -48,35 +51,53 @@ def run_model(path: Path, trials: int, most_points: int, end: float) -> list[tup
     rows = []
     for trial in range(trials):
         kind, suspect = ("wrong key", marked) if trial % 2 and marked is not None else ("unmarked", mesh)
+        start = process_time()
         found = extract(suspect, Key(random.bytes(32)))
-        rows.append((kind, found.presence, found.log10_false_positive))
+        seconds = round(process_time() - start, 2)
+        rows.append((kind, found.presence, found.log10_false_positive, seconds))
     return rows
+
+
+def measure(arguments: argparse.Namespace, paths: list[Path], trials: int) -> None:
+    """Make the trials of the models that have no rows yet, and write these, model by model."""
+    known = {row["model"] for row in read_rows(arguments.rows)}
+    left = [path for path in paths if path.relative_to(DATA).as_posix() not in known]
+    end = monotonic() + 60.0 * arguments.minutes
+    fresh = not arguments.rows.exists() or not arguments.rows.stat().st_size
+    with (
+        arguments.rows.open("a", newline="", encoding="utf-8") as file,
+        ProcessPoolExecutor(arguments.workers) as pool,
+    ):
+        writer = csv.writer(file)
+        if fresh:
+            writer.writerow(["model", "kind", "presence", "log10_bound", "seconds"])
+        made = pool.map(run_model, left, repeat(trials), repeat(arguments.most_points), repeat(end))
+        for path, part in zip(left, made, strict=True):
+            writer.writerows([path.relative_to(DATA).as_posix(), *row] for row in part)
+            file.flush()
+            present = sum(row[1] == "present" for row in part)
+            if part:
+                print(f"{path.name.split('.')[0]:32s} {len(part):4d} trials, {present} present", flush=True)
 
 
 def main() -> int:
     """Run and print; exit 1 where anything was found present."""
     parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("rows", type=Path)
     parser.add_argument("--folders", nargs="+", default=["models/test", "psb/test"])
-    parser.add_argument("--trials", type=int, default=2000)
+    parser.add_argument("--trials", type=int, default=3000)
     parser.add_argument("--most-points", type=int, default=10**9, help="leave larger models out")
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--minutes", type=float, default=float("inf"))
     parser.add_argument("--plot", type=Path, help="draw the share of bounds at or below p against p")
     arguments = parser.parse_args()
     paths = list(model_paths(*arguments.folders))
-    end = monotonic() + 60.0 * arguments.minutes
     each = -(-arguments.trials // len(paths)) + 1
-    with ProcessPoolExecutor(arguments.workers) as pool:
-        rows = []
-        for path, part in zip(
-            paths,
-            pool.map(run_model, paths, repeat(each), repeat(arguments.most_points), repeat(end)),
-            strict=True,
-        ):
-            rows += part
-            present = sum(row[1] == "present" for row in part)
-            if part:
-                print(f"{path.name.split('.')[0]:32s} {len(part):4d} trials, {present} present", flush=True)
+    measure(arguments, paths, each)
+    rows = [(row["kind"], row["presence"], float(row["log10_bound"])) for row in read_rows(arguments.rows)]
+    if not rows:
+        print("no trials")
+        return 1
     for (kind, presence), count in sorted(Counter(row[:2] for row in rows).items()):
         print(f"{kind:10s} {presence:13s} {count}")
     bounds = np.sort([row[2] for row in rows])

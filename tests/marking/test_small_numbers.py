@@ -48,6 +48,10 @@ def test_a_tolerance_that_is_named_is_kept():
     assert "short words" not in " ".join(made.remarks)
 
 
+def test_what_a_named_tolerance_shows_is_said():
+    assert f"seen on {shown(marked('default')):.0%} of the surface" in " ".join(marked("default").remarks)
+
+
 def test_a_model_of_ordinary_numbers_keeps_long_words():
     made = marked(None, small=False)
     assert made.authentication.tolerance == "default"

@@ -47,8 +47,8 @@ _SEEN_LESS = (
     "ones would be seen on {:.0%} of the surface, as the model's numbers are small"
 )
 _SEEN = (
-    "the marks are seen on {:.0%} of the surface; the id alone (--layers ownership), or a model in smaller units, "
-    "shows less"
+    "the marks are seen on {:.0%} of the surface; the id alone (--layers ownership) shows less, and so may "
+    "--tolerance web, or the model in smaller units"
 )
 
 
@@ -207,28 +207,34 @@ def _first_that_fits(below: Owned | None, mesh: Mesh, request: MarkRequest) -> E
     """Return the authentication layer with the first tolerance that fits; a remark says what it costs or lacks."""
     if not request.web_first:
         made = _within_budget(below, mesh, request)
-        return made if request.tolerance is not None else _less_seen(made, below, mesh, request)
+        return _less_seen(made, below, mesh, request)
     try:
         made = _within_budget(below, mesh, replace(request, tolerance="web"))
         remark = _PRICE
     except CapacityError as error:
         made = _within_budget(below, mesh, request)
         remark = f"exports that round positions to 14 bits, as web pipelines do, break the marks: {error}"
-    return replace(made, remarks=(*made.remarks, remark))
+    return _told_if_seen(replace(made, remarks=(*made.remarks, remark)), _shown(made, mesh))
 
 
 def _less_seen(made: Embedding, below: Owned | None, mesh: Mesh, request: MarkRequest) -> Embedding:
-    """Return the marks, or those of the tolerance "web" where the former are seen and the latter less.
+    """Return the marks; those of the tolerance "web" where none is named, the former are seen and the latter less.
 
     Six decimals are coarse for a model of small numbers, and marks of long words move further to bear them.
     """
     shown = _shown(made, mesh)
-    if shown <= SHOWN_SHARES[request.strength]:
+    if shown > SHOWN_SHARES[request.strength] and request.tolerance is None:
+        with suppress(CapacityError):
+            other = _within_budget(below, mesh, replace(request, tolerance="web"))
+            if _shown(other, mesh) < shown:
+                return replace(other, remarks=(*other.remarks, _SEEN_LESS.format(shown)))
+    return _told_if_seen(made, shown)
+
+
+def _told_if_seen(made: Embedding, shown: float) -> Embedding:
+    """Return the marks, with a remark where this share of the surface shows them and the strength promises less."""
+    if shown <= SHOWN_SHARES[made.strength]:
         return made
-    with suppress(CapacityError):
-        other = _within_budget(below, mesh, replace(request, tolerance="web"))
-        if _shown(other, mesh) < shown:
-            return replace(other, remarks=(*other.remarks, _SEEN_LESS.format(shown)))
     return replace(made, remarks=(*made.remarks, _SEEN.format(shown)))
 
 
