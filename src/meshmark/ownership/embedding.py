@@ -100,7 +100,7 @@ def embed(
 
 
 def _with_fingerprint(task: EmbeddingTask) -> Owned:
-    """Return the mark, in cells with a fingerprint beside them where there is room for both."""
+    """Return the mark, with a fingerprint beside it where there is room for both."""
     from meshmark.ownership.embedding_with_fingerprint import (
         leaving_room,
         with_fingerprint,
@@ -112,7 +112,7 @@ def _with_fingerprint(task: EmbeddingTask) -> Owned:
         owned = _whole_and_parts(leaving_room(task))
     except CapacityError:
         return _whole_and_parts(task)
-    return owned if owned.mark.at_points else with_fingerprint(task, owned)
+    return with_fingerprint(task, owned)
 
 
 def _whole_and_parts(task: EmbeddingTask) -> Owned:

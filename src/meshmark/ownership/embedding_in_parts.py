@@ -13,16 +13,15 @@ from itertools import islice, product
 from math import inf, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
 from meshmark.coding.codec import Codec
 from meshmark.coding.keys import Key
 from meshmark.geometry.frame import Frame
 from meshmark.geometry.surface import Surface
-from meshmark.geometry.surface_of import surface_of_moved
 from meshmark.mesh import FloatArray
 from meshmark.ownership.assembly_parts import AssemblyPart, parts_held_apart
 from meshmark.ownership.carriers.lattice_label import Label
+from meshmark.ownership.carrying_points import carrying_points
 from meshmark.ownership.decoding import Listed, decoded
 from meshmark.ownership.embedding_task import EmbeddingTask, Owned
 from meshmark.ownership.extraction import find
@@ -101,7 +100,10 @@ def embed_in_parts(task: EmbeddingTask, owned: Owned, parts: Sequence[AssemblyPa
 def _marked(task: EmbeddingTask, owned: Owned, parts: Sequence[AssemblyPart], cost: float) -> Owned:
     """Return the mesh with the id in as many parts as carry it."""
     points = points_of(task, owned.mesh)
-    taken, step = _taken(task, owned), owned.mark.step * owned.mark.spacing * task.surface.frame.scale
+    taken, step = (
+        carrying_points(task, owned),
+        owned.mark.step * owned.mark.spacing * task.surface.frame.scale,
+    )
     carrying = []
     for number, part in enumerate(parts):
         beside = replace(part, still=part.still | taken[part.rows])
@@ -114,17 +116,6 @@ def _marked(task: EmbeddingTask, owned: Owned, parts: Sequence[AssemblyPart], co
             points[part.rows] = own
             carrying.append(number)
     return replace(owned, mesh=task.moved(points), mark=replace(owned.mark, parts=tuple(carrying)))
-
-
-def _taken(task: EmbeddingTask, owned: Owned) -> NDArray[np.bool_]:
-    """Return which points (p,) carry bits of the mark of the whole; none where it is in cells."""
-    surface = surface_of_moved(owned.mesh, task.mesh)
-    if not owned.mark.at_points or len(surface.points) != len(task.surface.points):
-        return np.zeros(len(task.surface.points), bool)
-    lattice = PointLattice.keyed(task.key, owned.mark.label)
-    framed = _framed(surface, surface.frame, lattice)
-    choice = framed.best_at(owned.mark.step * owned.mark.spacing)
-    return np.asarray(framed.carrying(choice).any(axis=1))
 
 
 @dataclass(frozen=True, kw_only=True)

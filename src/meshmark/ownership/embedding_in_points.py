@@ -44,6 +44,8 @@ SMALLER = 0.75
 # them further than they should.
 WORTH = (1.0, 0.9, 0.75, 0.6)
 DENTED = 0.5
+# Share of the coordinates at most where others are to carry a fingerprint.
+BESIDE_FINGERPRINT = 0.25
 # Of models with at most so many points, marks of fewer bits than 64 are chosen by after how many of these noises
 # they are read, about that of a grid of 12 bits, over the diagonal; of those that are read without, so many.
 CLOSELY, NOISES, NOISE, COMPARED = 300, 4, 5e-5, 3
@@ -112,7 +114,8 @@ def _choices(shaping: PointShaping, task: EmbeddingTask) -> Iterator[tuple[float
     Of what a choice is followed by, nearly the same is left out.
     """
     left = []
-    for step, mode, share in product(STEPS, range(len(MODES)), SHARES):
+    most = BESIDE_FINGERPRINT if task.may_have_fingerprint else 1.0
+    for step, mode, share in product(STEPS, range(len(MODES)), [each for each in SHARES if each <= most]):
         choice = Choice(step=float(step), mode=mode, share=share)
         count, rms = shaping.expected(choice)
         if count >= DISTINCT_BITS[task.bits] and rms <= task.rms:

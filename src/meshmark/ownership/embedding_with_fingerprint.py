@@ -1,4 +1,4 @@
-"""Embedding of the fingerprint: points beside the cells slide along the surface until they say the id once more.
+"""Embedding of the fingerprint: points that do not carry slide along the surface until they say the id once more.
 
 Where their bits are the same the points of all copies of a model go to the same places: those nearest to where
 the original has them, by a step that depends on the strength only. So an average keeps what copies have in common.
@@ -10,6 +10,7 @@ from dataclasses import replace
 
 from meshmark.coding.codec import Codec
 from meshmark.geometry.surface_of import surface_of_moved
+from meshmark.ownership.carrying_points import carrying_points
 from meshmark.ownership.embedding_task import EmbeddingTask, Owned
 from meshmark.ownership.fingerprint.parameters import (
     LARGEST_SHARE,
@@ -35,25 +36,26 @@ def leaving_room(task: EmbeddingTask) -> EmbeddingTask:
 
 
 def with_fingerprint(task: EmbeddingTask, owned: Owned) -> Owned:
-    """Return a mesh marked in cells with a fingerprint besides; as it is where that costs the mark too much.
+    """Return a marked mesh with a fingerprint besides; as it is where that costs the mark too much.
 
     Parameters
     ----------
     task : EmbeddingTask
         Of the unmarked mesh, with the whole budget.
     owned : Owned
-        The mark in cells.
+        The mark in cells, or in points: those that carry it stay where they are.
     """
     surface = surface_of_moved(owned.mesh, task.mesh)
     if len(surface.points) != len(task.surface.points):
         return owned
+    carrying = carrying_points(task, owned)
     shaping = PointShaping(
         surface,
         fingerprint_lattice(task.key, owned.mark.label),
         Said.of(Codec(task.key), task.identity),
         largest=LARGEST_SHARE * LARGEST[task.strength],
         budget=0.0,
-        still=owned.held,
+        still=carrying if owned.held is None else owned.held | carrying,
         holds_area=True,
         aims=task.surface.points,
     )

@@ -10,9 +10,11 @@ import pytest
 
 from meshmark.coding.codec import Codec
 from meshmark.coding.keyed import rotation
+from meshmark.errors import CapacityError
 from meshmark.geometry.surface_of import surface_of
 from meshmark.marking import Embedding, authenticate, embed, extract
 from meshmark.mesh import FloatArray, Mesh
+from meshmark.ownership import embedding
 from meshmark.ownership.carriers.lattice_label import Label
 from meshmark.ownership.decoding import Found
 from meshmark.ownership.extraction import find_copies
@@ -76,6 +78,19 @@ def test_two_copies_put_together_tell_both_ids(name):
 def test_an_average_that_was_turned_and_scaled_tells_both_ids():
     moved = TOGETHER["average"](copies(2)) @ rotation(b"elsewhere" * 4).T * 12.0 + [3.0, -1.0, 2.0]
     assert told(moved.astype(np.float32).astype(np.float64)).ids == tuple(sorted(IDS[:2]))
+
+
+def test_two_copies_whose_points_carry_the_id_tell_both_ids(monkeypatch):
+    def refused(_task, **_options):
+        raise CapacityError("no cells")
+
+    monkeypatch.setattr(embedding, "embed_in_cells", refused)
+    made = [embedding.embed(Mesh(POINTS, FACES), KEY, id=each) for each in IDS[:2]]
+    assert [each.mark.at_points for each in made] == [True, True]
+    positions = np.array([each.mesh.vertices for each in made])
+    together = [told(TOGETHER[name](positions)).ids for name in TOGETHER]
+    assert together == [tuple(sorted(IDS[:2]))] * len(TOGETHER)
+    assert extract(made[0].mesh, KEY).id == IDS[0]
 
 
 def test_a_sum_that_shows_an_id_of_nobody_names_nobody():
