@@ -7,6 +7,7 @@ alone makes the frame: a ring that stays, while its middle point moves, gives th
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,7 +53,8 @@ class RingShapes:
 
     def take(self, rows: IntArray | NDArray[np.bool_] | slice) -> RingShapes:
         """Return these rows."""
-        return replace(self, **{name: rows_of(getattr(self, name), rows) for name in ("around", *_MEASURED)})
+        taken: dict[str, Any] = {name: rows_of(getattr(self, name), rows) for name in ("around", *_MEASURED)}
+        return replace(self, **taken)
 
     def offsets(self, rows: AnyIntArray | slice, order: AnyIntArray | None = None) -> FloatArray:
         """Return (n, k, 3): the neighbours of some rings less the centre, in units of the size.
