@@ -60,3 +60,17 @@ def test_a_step_at_the_edge_of_the_likely_ones_is_found_among_all(times: float) 
     found = likeliest_setting(rounded, rings, shapes, KEY, None)
     assert found is not None
     assert abs(2.0 * np.log2(found.unit / done.step)) <= found.doubts
+
+
+@pytest.mark.parametrize("nonce", [None, ID])
+def test_the_shapes_of_the_sample_are_enough(nonce: int | None) -> None:
+    """An unmarked surface, of which no more is read, does without those of all others."""
+    points, faces = pebble(72)
+    planned = plan(weld(Mesh(points, faces)), KEY, FAR_AWAY * float(np.linalg.norm(np.ptp(points, axis=0))))
+    marked = mark(planned, KEY, ID, lambda index: (index & np.uint32(15)).astype(np.uint16)).points
+    rings = ordered_rings(faces, len(points))
+    shapes = [ring_shapes(marked, group) for group in rings]
+    found = likeliest_setting(marked, rings, None, KEY, nonce)
+    assert found == likeliest_setting(marked, rings, shapes, KEY, nonce)
+    assert found is not None
+    assert found.log10_chance < -10.0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from meshmark.geometry import stiffness as module
 from meshmark.geometry.areas import face_areas, vertex_areas
 from meshmark.geometry.stiffness import diffused, stiffness
 from tests.shapes import pebble
@@ -54,3 +55,13 @@ def test_diffusion_of_a_wider_gaussian_damps_a_wave_as_it_should():
     # Two implicit Euler steps of half of width^2 / 2 each.
     expected = points / (1.0 + 2.0 * width**2 / 4.0) ** 2
     np.testing.assert_allclose(left, expected, atol=0.02)
+
+
+def test_diffusion_does_not_depend_on_how_many_points_are_taken_at_a_time(monkeypatch):
+    mass, stiff = vertex_areas(POINTS, FACES), stiffness(POINTS, FACES)
+    rough = np.random.default_rng(4).normal(size=(len(POINTS), 2))
+    whole = diffused(rough, mass, stiff, 0.2)
+    monkeypatch.setattr(module, "BLOCK", 7)
+    assert len(POINTS) > 100
+    np.testing.assert_array_equal(diffused(rough, mass, stiff, 0.2), whole)
+    assert np.abs(whole - rough).max() > 0.1

@@ -125,7 +125,7 @@ def test_an_id_alone_reads_the_rings_of_a_sample_only_for_marks_of_authenticatio
     with counted() as calls:
         assert embed(Mesh(*pebble(50)), KEY, id=ID, layers="ownership").authentication is None
     assert 1 <= calls["likeliest_setting"] <= 2  # with the id that marks report, and with this one
-    assert calls["check"] == calls["sweep"] == 0
+    assert calls["check"] == calls["sweep"] == calls["shapes_of"] == 0  # no shapes but those of the sample
 
 
 def test_a_search_makes_each_lattice_once_and_hashes_each_of_its_places_once():

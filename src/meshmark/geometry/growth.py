@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from meshmark.arrays import sorted_distinct
 from meshmark.geometry.adjacency import unique_edges
 from meshmark.mesh import FloatArray, IntArray
 
@@ -112,7 +113,7 @@ def _grow(points: FloatArray, graph: HalfEdges, centres: IntArray, radius: float
         followed.append((owner, edge, along, near, far))
         inside = np.flatnonzero(far <= radius * radius)
         key = owner.take(inside) * len(points) + graph.end.take(edge.take(inside))
-        key = np.unique(key)
+        key = sorted_distinct(key)
         place = np.searchsorted(seen, key)
         place[place == len(seen)] = 0
         new = np.flatnonzero(seen.take(place) != key)

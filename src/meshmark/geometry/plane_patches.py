@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array
 
+from meshmark.arrays import sorted_distinct
 from meshmark.geometry.areas import area_vectors
 from meshmark.geometry.blocks import blocks
 from meshmark.geometry.components import connected_components
@@ -73,7 +74,7 @@ class PlanePatches:
         names, label = np.unique(label[beside], return_inverse=True)
         count = len(names)
         # Each point of each patch once.
-        code = np.unique(np.repeat(label, 3) * len(points) + faces[beside].ravel())
+        code = sorted_distinct(np.repeat(label, 3) * len(points) + faces[beside].ravel())
         pairs = np.stack(np.divmod(code, max(len(points), 1)), axis=1)
         sizes = np.bincount(pairs[:, 0], minlength=count)
         places = points[pairs[:, 1]]

@@ -6,6 +6,7 @@ import numpy as np
 
 from meshmark.coding.codec import Codec
 from meshmark.ownership.carriers.lattice_label import Label
+from meshmark.ownership.points import targets
 from meshmark.ownership.points.coordinates import held
 from meshmark.ownership.points.parameters import GUARD, SIDE
 from meshmark.ownership.points.point_lattice import PointLattice
@@ -80,3 +81,19 @@ def test_points_that_were_moved_apart_go_to_the_same_places_of_their_aims():
         ends.append((points + motion)[done])
     assert len(ends[0]) > 0.97 * len(aims)
     assert np.abs(ends[0] - ends[1]).max() < 1e-12
+
+
+def test_places_that_differ_only_in_coordinates_that_are_not_set_need_not_be_tried(monkeypatch):
+    """The same motions, bit by bit, as where all steps beside the nearest place are tried."""
+    points, follow, carried = points_and_ways(600)
+    assert set(carried.sum(axis=1)) == {0, 1, 2, 3}
+    quantiser = Quantiser(lattice=LATTICE, message=Word(BITS), step=STEP)
+    found = []
+    for beside, rows in ((targets._BESIDE, 50), ([targets.BESIDE] * 8, 1000)):
+        monkeypatch.setattr(targets, "_BESIDE", beside)
+        monkeypatch.setattr(targets, "ROWS", rows)
+        found.append(nearest_places(points, follow, quantiser))
+    (motion, done), (other, other_done) = found
+    np.testing.assert_array_equal(motion, other)
+    np.testing.assert_array_equal(done, other_done)
+    assert motion.any(axis=1).mean() > 0.8

@@ -10,8 +10,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import product
 from math import log10
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +30,7 @@ from meshmark.authentication.marks.words import PURPOSE
 from meshmark.authentication.parameters import MARKED_LOG10, TRIED_IDS
 from meshmark.coding.keys import Key
 from meshmark.geometry.surface import Surface
-from meshmark.mesh import FloatArray
+from meshmark.mesh import FloatArray, IntArray
 from meshmark.ownership.large_components import MOST_READ, large_components
 
 __all__ = ["MarkedId", "marked_ids"]
@@ -90,6 +92,9 @@ def marked_ids(surface: Surface, key: Key) -> tuple[MarkedId, ...]:
     return reader.merged()
 
 
+_Some = TypeVar("_Some", Rings, RingShapes)
+
+
 class _Reader:
     """Reads regions of one surface, and keeps what was found, the points that are done with, and the count of
     regions.
@@ -98,11 +103,15 @@ class _Reader:
     def __init__(self, surface: Surface, key: Key) -> None:
         self.surface, self.key = surface, key
         self.rings = rings_of(surface)
-        self.shapes = [ring_shapes(surface.points, group) for group in self.rings]
         self.found: list[MarkedId] = []
         self.taken = np.zeros(len(surface.points), bool)
         self.able = np.asarray(surface.used)
         self._regions = 0
+
+    @cached_property
+    def shapes(self) -> list[RingShapes]:
+        """Of the rings; an unmarked surface, of which a sample is read, does not need all of them."""
+        return [ring_shapes(self.surface.points, group) for group in self.rings]
 
     def worth_reading(self, left: NDArray[np.bool_]) -> bool:
         """Return whether enough points (p,) that could carry marks are left for another id."""
@@ -121,14 +130,13 @@ class _Reader:
 
     def read(self, chosen: NDArray[np.bool_], *, likely_only: bool = False) -> bool:
         """Read all ids of the chosen points (p,) under the likeliest setting; return whether there is any."""
-        parts = self._parts(chosen)
-        rings, shapes = [group for group, _ in parts], [shape for _, shape in parts]
-        setting = likeliest_setting(
-            self.surface.points, rings, shapes, self.key, None, likely_only=likely_only
-        )
+        rows = [np.flatnonzero(chosen[group.vertex]) for group in self.rings]
+        rings = [_taken(group, some) for group, some in zip(self.rings, rows, strict=True) if len(some)]
+        setting = likeliest_setting(self.surface.points, rings, None, self.key, None, likely_only=likely_only)
         if setting is None or setting.layout.pieces_only:
             return False
-        parts = [(group, in_style(shape, setting.style)) for group, shape in parts]
+        shapes = [_taken(shape, some) for shape, some in zip(self.shapes, rows, strict=True) if len(some)]
+        parts = [(group, in_style(shape, setting.style)) for group, shape in zip(rings, shapes, strict=True)]
         able = np.zeros(len(chosen), bool)
         for group, shape in parts:
             able[group.vertex] = able_rings(shape, setting)
@@ -148,16 +156,6 @@ class _Reader:
             if not self.worth_reading(chosen & ~self.taken):
                 break
         return len(self.found) > before
-
-    def _parts(self, chosen: NDArray[np.bool_]) -> list[tuple[Rings, RingShapes]]:
-        parts = []
-        for group, shape in zip(self.rings, self.shapes, strict=True):
-            row = np.flatnonzero(chosen[group.vertex])
-            if len(row) == len(group.vertex):  # as at first: no second one of all
-                parts.append((group, shape))
-            elif len(row):
-                parts.append((group.take(row), shape.take(row)))
-        return parts
 
     def _plain(self, parts: list[tuple[Rings, RingShapes]], setting: Setting) -> Candidates:
         subkey = self.key.subkey(PURPOSE)
@@ -216,6 +214,11 @@ class _Reader:
             marks, able = (graph @ marks + marks) / degree, (graph @ able + able) / degree
         density = marks / np.maximum(able, 1e-9)
         return np.asarray((marks > 0.0) & (density >= _DENSE * float(np.median(density[held]))))
+
+
+def _taken(whole: _Some, rows: IntArray) -> _Some:
+    """Return some rows; where they are all, as at first, no second one of everything."""
+    return whole if len(rows) == len(whole.around) else whole.take(rows)
 
 
 def _regions(centre: FloatArray, components: list[NDArray[np.bool_]]) -> Iterator[NDArray[np.bool_]]:

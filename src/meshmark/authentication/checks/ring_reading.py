@@ -8,6 +8,7 @@ from math import log, log10
 import numpy as np
 from numpy.typing import NDArray
 
+from meshmark.arrays import rows_of, sorted_distinct
 from meshmark.authentication.checks.carried import Expected, carried
 from meshmark.authentication.marks.candidates import HEADER, PAYLOAD, PLACE, Beside, Candidates
 from meshmark.authentication.marks.symbols import header_symbols, outvoted
@@ -43,10 +44,10 @@ class Read:
     def take(self, rows: IntArray) -> Read:
         """Return these rows."""
         return Read(
-            symbol=self.symbol[rows],
-            holds=self.holds[rows],
-            off=self.off[rows],
-            new_boundary=self.new_boundary[rows],
+            symbol=rows_of(self.symbol, rows),
+            holds=rows_of(self.holds, rows),
+            off=rows_of(self.off, rows),
+            new_boundary=rows_of(self.new_boundary, rows),
         )
 
 
@@ -153,13 +154,13 @@ def _against_luck(
 ) -> tuple[int, float]:
     """Return how many different marks were tried, and the exponent (nats) of Chernoff's bound."""
     tries, boundary = _names(found.name, found.whole, layout), found.boundary
-    held = len(np.unique(tries[holds]))
+    held = len(sorted_distinct(tries[holds]))
     if more is not None:
         tries = np.concatenate([tries, _names(found.name[more.row], more.whole, layout)])
         boundary = np.concatenate([boundary, boundary[more.row]])
-    total = len(np.unique(tries))
+    total = len(sorted_distinct(tries))
     if without_boundary:
-        total += len(np.unique(tries[boundary != 0]))
+        total += len(sorted_distinct(tries[boundary != 0]))
     luck = 2.0**-layout.check
     share = held / max(total, 1)
     if share <= luck:

@@ -17,7 +17,7 @@ from meshmark.authentication.marks.candidates import (
     level_of,
     placed,
 )
-from meshmark.authentication.marks.ring_shapes import RingShapes, in_style
+from meshmark.authentication.marks.ring_shapes import RingShapes, in_style, ring_shapes
 from meshmark.authentication.marks.ring_ways import Ways, ways
 from meshmark.authentication.marks.rings import Rings
 from meshmark.authentication.marks.words import PURPOSE, bind, symbols_at
@@ -88,7 +88,7 @@ class Setting:
 def likeliest_setting(
     points: FloatArray,
     rings: list[Rings],
-    shapes: list[RingShapes],
+    shapes: list[RingShapes] | None,
     key: Key,
     nonce: int | None,
     *,
@@ -96,16 +96,18 @@ def likeliest_setting(
 ) -> Setting | None:
     """Return the step and layout under which most marks of a sample hold.
 
+    shapes: of the rings; without them those of the sample are made, which is all that an unmarked surface needs.
+
     Steps that suit the surface's size are tried first, all others where they are not clearly right, unless
     `likely_only`.
     """
     total = sum(len(group.vertex) for group in rings)
     every = max(total // (_SAMPLE_BLIND if nonce is None else _SAMPLE), 1)
-    sample = [
-        (group.take(rows), shape.take(rows))
-        for group, shape in zip(rings, shapes, strict=True)
-        for rows in [np.arange(0, len(group.vertex), every)]
-    ]
+    sample: list[tuple[Rings, RingShapes]] = []
+    for number, group in enumerate(rings):
+        rows = np.arange(0, len(group.vertex), every)
+        some = group.take(rows)
+        sample.append((some, ring_shapes(points, some) if shapes is None else shapes[number].take(rows)))
     if not sample:
         return None
     middles = np.concatenate([points[group.vertex] for group, _ in sample])

@@ -13,6 +13,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from meshmark.arrays import rows_of
 from meshmark.authentication.marks.ring_shapes import RingShapes, frames, spreads_from
 from meshmark.authentication.marks.ring_ways import (
     HEADER,
@@ -73,7 +74,7 @@ class Candidates:
 
     def take(self, rows: IntArray | NDArray[np.bool_]) -> Candidates:
         """Return these rows."""
-        return Candidates(**{field.name: getattr(self, field.name)[rows] for field in fields(self)})
+        return Candidates(**{field.name: rows_of(getattr(self, field.name), rows) for field in fields(self)})
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -85,7 +86,7 @@ class Beside:
 
     def take(self, rows: NDArray[np.bool_]) -> Beside:
         """Return these rows."""
-        return Beside(row=self.row[rows], whole=self.whole[rows])
+        return Beside(row=rows_of(self.row, rows), whole=rows_of(self.whole, rows))
 
 
 def joined(parts: Iterable[Candidates]) -> Candidates:
@@ -190,14 +191,14 @@ def placed(points: FloatArray, found: Ways) -> Candidates:
     axes = frames(offsets, shapes.normal[row])
     base = np.einsum("rki,rk->ri", offsets, _weights(words[:, 1], size)) if shapes.style.pull else 0.0
     vertex, step = rings.vertex[row], step_of(found.level)
-    local = (points[vertex] - shapes.centre[row]) / shapes.size[row, None] - base
+    local = (points.take(vertex, axis=0) - shapes.centre.take(row, axis=0)) / shapes.size[row, None] - base
     place = np.einsum("rij,rj->ri", axes, local) / step[:, None] - _dither(words[:, 2])
     index = (words[:, 0] & np.uint64(0xFFFFFFFF)).astype(np.uint32)
     boundary = rings.boundary[row[:, None], order] @ (1 << np.arange(size))
     return Candidates(
         ring=row,
         vertex=vertex.astype(np.int32),
-        centre=shapes.centre[row],
+        centre=shapes.centre.take(row, axis=0),
         kind=found.kind,
         index=index,
         name=words[:, 0].copy(),

@@ -5,9 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from meshmark.authentication.parameters import FAR_AWAY, FINE, WEB, WEB_GRID, Style
 from meshmark.errors import InputError
+from meshmark.geometry.extent import used_points
 from meshmark.io.file_precision import conform
 from meshmark.mesh import FloatArray, Mesh
 from meshmark.scene.distinct import scene_of
@@ -110,7 +112,13 @@ def _smallest(mesh: Mesh) -> float:
 
 def _used(mesh: Mesh) -> FloatArray:
     """Return the vertices that faces use, all where none does: where the others lie says nothing of the surface."""
-    return np.asarray(mesh.vertices[np.unique(mesh.faces)] if len(mesh.faces) else mesh.vertices)
+    return np.asarray(mesh.vertices[_are_used(mesh)])
+
+
+def _are_used(mesh: Mesh) -> NDArray[np.bool_]:
+    """Return (v,): the vertices that faces use, all where none does."""
+    count = len(mesh.vertices)
+    return used_points(mesh.faces, count) if len(mesh.faces) else np.ones(count, bool)
 
 
 def _floats(mesh: Mesh) -> float:
@@ -139,4 +147,4 @@ def _own(mesh: Mesh, size: float) -> float:
     """Return how far the mesh's file moves coordinates of the surface that it is given."""
     nudged = mesh.vertices + size * 1e-4 * np.sin(np.arange(mesh.vertices.size)).reshape(-1, 3)
     off = np.abs(conform(mesh, nudged) - nudged)
-    return float((off[np.unique(mesh.faces)] if len(mesh.faces) else off).max())
+    return float(off[_are_used(mesh)].max())

@@ -7,11 +7,12 @@ alone makes the frame: a ring that stays, while its middle point moves, gives th
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from meshmark.arrays import AnyIntArray
+from meshmark.arrays import AnyIntArray, rows_of
 from meshmark.authentication.marks.rings import Rings
 from meshmark.authentication.parameters import FINE, Style
 from meshmark.geometry.blocks import blocks
@@ -52,16 +53,18 @@ class RingShapes:
 
     def take(self, rows: IntArray | NDArray[np.bool_] | slice) -> RingShapes:
         """Return these rows."""
-        return replace(self, **{name: getattr(self, name)[rows] for name in ("around", *_MEASURED)})
+        taken: dict[str, Any] = {name: rows_of(getattr(self, name), rows) for name in ("around", *_MEASURED)}
+        return replace(self, **taken)
 
     def offsets(self, rows: AnyIntArray | slice, order: AnyIntArray | None = None) -> FloatArray:
         """Return (n, k, 3): the neighbours of some rings less the centre, in units of the size.
 
         order: (n, k) in which to take them. They would take more room than all else, and are quickly made.
         """
-        around = self.around[rows] if order is None else np.take_along_axis(self.around[rows], order, 1)
-        offsets = self.points[around] - self.centre[rows][:, None]
-        offsets /= np.maximum(self.size[rows], _TINY)[:, None, None]
+        around = rows_of(self.around, rows)
+        around = around if order is None else np.take_along_axis(around, order, 1)
+        offsets = self.points.take(around, axis=0) - rows_of(self.centre, rows)[:, None]
+        offsets /= np.maximum(rows_of(self.size, rows), _TINY)[:, None, None]
         return offsets
 
 
@@ -86,7 +89,7 @@ def ring_shapes(points: FloatArray, rings: Rings, style: Style = FINE) -> RingSh
 
 
 def _shapes(points: FloatArray, rings: Rings, style: Style) -> RingShapes:
-    around = points[rings.around]
+    around = points.take(rings.around, axis=0)
     centre = around.mean(axis=1)
     offsets = around - centre[:, None]
     size = np.sqrt(np.einsum("rki,rki->r", offsets, offsets) / offsets.shape[1])

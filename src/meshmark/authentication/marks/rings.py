@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from meshmark.arrays import rows_of
 from meshmark.geometry.blocks import blocks
 from meshmark.geometry.corners import corners_of_points
 from meshmark.mesh import IntArray
@@ -38,10 +39,10 @@ class Rings:
     def take(self, rows: IntArray | NDArray[np.bool_] | slice) -> Rings:
         """Return these rows."""
         return Rings(
-            vertex=self.vertex[rows],
-            around=self.around[rows],
-            open=self.open[rows],
-            boundary=self.boundary[rows],
+            vertex=rows_of(self.vertex, rows),
+            around=rows_of(self.around, rows),
+            open=rows_of(self.open, rows),
+            boundary=rows_of(self.boundary, rows),
         )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from meshmark.arrays import sorted_distinct
 from meshmark.coding.erasure.belief import trust
 from meshmark.coding.erasure.graph import DENSE, Graph, mix
 from meshmark.mesh import IntArray
@@ -158,7 +159,7 @@ def peel(graph: Graph, index: NDArray[np.uint32], value: Symbols) -> Symbols | N
         np.subtract.at(degree, touched, 1)
         np.bitwise_xor.at(left, touched, symbol[edge])
         np.bitwise_xor.at(right, touched, found[symbol[edge]])
-        ready = np.unique(touched)
+        ready = sorted_distinct(touched)
         ready = ready[degree[ready] == 1]
     return graph.with_parities(found[None])[0] if known[: graph.length].all() else None
 

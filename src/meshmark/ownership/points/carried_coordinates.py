@@ -12,7 +12,7 @@ from meshmark.geometry.frame import Frame
 from meshmark.geometry.stars import Stars, are_midpoints, stars_of
 from meshmark.geometry.surface import Surface
 from meshmark.mesh import FloatArray, IntArray
-from meshmark.ownership.points.coordinates import chosen_coordinates
+from meshmark.ownership.points.coordinates import chosen_coordinates, ease_of
 from meshmark.ownership.points.parameters import MODES, ROOM, STEPS
 from meshmark.ownership.points.point_choice import Choice
 
@@ -78,7 +78,8 @@ class Carried:
 
     def carrying(self, choice: Choice, draw: FloatArray) -> NDArray[np.bool_]:
         """Return (p, 3): the coordinates that carry under a choice; draw: (p, 3) of the keys."""
-        return choice.carrying(self.coordinates, self.at(choice.step), draw)
+        coordinates = self.coordinates[choice.mode] if choice.mode else self.first_coordinates
+        return choice.carrying(coordinates, self.at(choice.step), draw)
 
     @cached_property
     def room(self) -> NDArray[np.bool_]:
@@ -86,14 +87,19 @@ class Carried:
         return np.array([self.at(step) for step in STEPS])
 
     @cached_property
+    def ease(self) -> FloatArray:
+        """(p, 3, 3): `ease_of` the points."""
+        return ease_of(self.stars.tensor)
+
+    @cached_property
     def coordinates(self) -> tuple[NDArray[np.bool_], ...]:
         """(p, 3) for each of `MODES`: the coordinates that carry where there is room."""
-        return chosen_coordinates(self.stars.tensor, MODES)
+        return chosen_coordinates(self.stars.tensor, MODES, self.ease)
 
     @cached_property
     def first_coordinates(self) -> NDArray[np.bool_]:
         """(p, 3) those of the first of `MODES`."""
-        return chosen_coordinates(self.stars.tensor, MODES[:1])[0]
+        return chosen_coordinates(self.stars.tensor, MODES[:1], self.ease)[0]
 
     def turned(self, axes: FloatArray, modes: int = len(MODES)) -> tuple[NDArray[np.bool_], ...]:
         """Return `coordinates` along other axes (3, 3), the columns in canonical coordinates.

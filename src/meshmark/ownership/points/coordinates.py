@@ -10,11 +10,16 @@ from numpy.typing import NDArray
 from meshmark.mesh import FloatArray
 from meshmark.ownership.points.parameters import FREE, SLIDING, TIES
 
-__all__ = ["chosen_coordinates", "held"]
+__all__ = ["chosen_coordinates", "ease_of", "held"]
+
+
+def ease_of(tensor: FloatArray) -> FloatArray:
+    """Return (p, 3, 3): the inverse of the cost of a motion at each point, of the tensors (p, 3, 3) of `Stars`."""
+    return np.asarray(np.linalg.inv(tensor + SLIDING * np.eye(3)), dtype=np.float64)
 
 
 def chosen_coordinates(
-    tensor: FloatArray, modes: Sequence[tuple[int, int, int]]
+    tensor: FloatArray, modes: Sequence[tuple[int, int, int]], ease: FloatArray | None = None
 ) -> tuple[NDArray[np.bool_], ...]:
     """Return (p, 3) for each mode: which canonical coordinates of each point carry.
 
@@ -26,10 +31,12 @@ def chosen_coordinates(
         Of `Stars`, in canonical axes.
     modes : sequence of (flat, crease, corner)
         How many coordinates points carry that can slide in two, one or no direction, each at most 3.
+    ease : (p, 3, 3) float array, optional
+        `ease_of` the tensor, where it is known already.
     """
     count = len(tensor)
     free = np.minimum((np.linalg.eigvalsh(tensor) < FREE).sum(axis=1), 2)
-    ease = np.linalg.inv(tensor + SLIDING * np.eye(3))
+    ease = ease_of(tensor) if ease is None else ease
     rank = np.full((count, 3), 3)  # when each is taken
     everyone = np.arange(count)
     for taken in range(max((number for mode in modes for number in mode), default=0)):

@@ -30,11 +30,11 @@ class Choice:
         return self.share * (KEPT_SHARE if self.mode == len(MODES) - 1 else 1.0)
 
     def carrying(
-        self, coordinates: tuple[NDArray[np.bool_], ...], room: NDArray[np.bool_], draw: FloatArray
+        self, coordinates: NDArray[np.bool_], room: NDArray[np.bool_], draw: FloatArray
     ) -> NDArray[np.bool_]:
         """Return (p, 3): the coordinates that carry.
 
-        coordinates: (p, 3) for each of `MODES`. room: (p,) where there is some for the step. draw: (p, 3) of the
+        coordinates: (p, 3) those of the mode. room: (p,) where there is some for the step. draw: (p, 3) of the
         keys.
         """
-        return np.asarray(coordinates[self.mode] & room[:, None] & (draw < self.cut))
+        return np.asarray(coordinates & room[:, None] & (draw < self.cut))

@@ -120,7 +120,7 @@ class Framed:
     def carrying(self, choice: Choice) -> NDArray[np.bool_]:
         """Return (p, 3): the coordinates that carry under a choice."""
         room = self.room[np.argmin(np.abs(STEPS - choice.step))]
-        return choice.carrying(self.coordinates, room, self.keys.draw)
+        return choice.carrying(self.coordinates[choice.mode], room, self.keys.draw)
 
     def first(self, carries: NDArray[np.bool_], most: int) -> NDArray[np.bool_]:
         """Return (p, 3): of the coordinates that carry those with the lowest draws, at most this number."""

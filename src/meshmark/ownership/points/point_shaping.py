@@ -118,7 +118,7 @@ class PointShaping:
     @cached_property
     def _strain(self) -> FloatArray:
         """(p, 3) square of the motion for a unit of change of each coordinate."""
-        ease = np.linalg.inv(self._start.stars.tensor + SLIDING * np.eye(3))
+        ease = self._start.ease
         own = np.einsum("pii->pi", ease)
         return np.asarray((ease**2).sum(axis=1) / own**2)
 
@@ -133,7 +133,7 @@ class PointShaping:
         for number in range(PASSES + FURTHER):
             carried = Carried.of(surface.moved(self._frame.to_scene(points)), self._frame)
             cost = carried.stars.tensor + SLIDING * np.eye(3)
-            ease = np.asarray(np.linalg.inv(cost), dtype=np.float64)
+            ease = carried.ease
             draw = self._lattice.keys(self._lattice.cubes(points)).draw
             carries = carried.carrying(choice, draw) & ~frozen[:, None]
             follow, _ = held(ease, carries)

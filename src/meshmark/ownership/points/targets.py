@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshmark.coding.polar import Bits
+from meshmark.geometry.blocks import blocks
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.ownership.points.parameters import GUARD, SIDE
 from meshmark.ownership.points.point_lattice import PointKeys, PointLattice
@@ -18,6 +19,12 @@ __all__ = ["Message", "Quantiser", "Word", "nearest_places"]
 
 # Steps beside the nearest point that are tried for each coordinate, where that one lies outside of the cube.
 BESIDE = np.array(list(product((0, -1, 1), repeat=3)))
+# Those that differ in the coordinates that are set, by a bit for each of these: others change nothing.
+_BESIDE = [
+    BESIDE[~(BESIDE[:, ~np.array(kind)] != 0).any(axis=1)] for kind in product((False, True), repeat=3)
+]
+# Points whose places are tried at once.
+ROWS = 1 << 12
 # The cube that a point lies in, and those across its nearest sides.
 ACROSS = np.array(list(product((0, 1), repeat=3)))
 
@@ -48,6 +55,12 @@ class Quantiser:
     message: Message
     step: float
 
+    def off(self, aims: FloatArray, cubes: IntArray) -> FloatArray:
+        """Return how far (n, 3), in steps, the nearest points of the quantiser are from aims in these cubes."""
+        keys = self.lattice.keys(cubes)
+        off = aims / self.step - keys.dither - self.message.bits(keys) / 2.0
+        return np.asarray(np.round(off) - off)
+
 
 def nearest_places(
     points: FloatArray, follow: FloatArray, quantiser: Quantiser, aims: FloatArray | None = None
@@ -74,34 +87,51 @@ def nearest_places(
     places = quantiser.lattice.places(aims)
     own = np.floor(places).astype(np.int64)
     beyond = np.where(places - own < 0.5, -1, 1)
+    followed = follow.any(axis=1) @ np.array([4, 2, 1])  # a bit for each coordinate that is set
     for across in ACROSS:
-        rows = np.flatnonzero(~done)
-        if not len(rows):
+        left = np.flatnonzero(~done)
+        if not len(left):
             break
-        cubes = own[rows] + across * beyond[rows]
-        found, fits = _within(points[rows], aims[rows], follow[rows], cubes, quantiser)
-        motion[rows[fits]] = found[fits]
-        done[rows[fits]] = True
+        cubes = own[left] + across * beyond[left]
+        off = quantiser.off(aims[left], cubes)
+        for kind, beside in enumerate(_BESIDE):
+            some = np.flatnonzero(followed[left] == kind)
+            for part in blocks(len(some), ROWS):
+                chosen = some[part]
+                rows = left[chosen]
+                found, fits = _within(
+                    points[rows],
+                    aims[rows],
+                    follow[rows],
+                    cubes=cubes[chosen],
+                    change=quantiser.step * (off[chosen, None] + beside),
+                    quantiser=quantiser,
+                )
+                motion[rows[fits]] = found[fits]
+                done[rows[fits]] = True
     return motion, done
 
 
 def _within(
-    points: FloatArray, aims: FloatArray, follow: FloatArray, cubes: IntArray, quantiser: Quantiser
+    points: FloatArray,
+    aims: FloatArray,
+    follow: FloatArray,
+    *,
+    cubes: IntArray,
+    change: FloatArray,
+    quantiser: Quantiser,
 ) -> tuple[FloatArray, NDArray[np.bool_]]:
     """Return motions (n, 3) that end well inside these cubes (n, 3), and for which there is one.
 
-    Of those the one whose end is nearest to the aim.
+    Of those the one whose end is nearest to the aim. change: (n, k, 3) of the aims' coordinates that are tried.
     """
-    lattice, step = quantiser.lattice, quantiser.step
-    keys = lattice.keys(cubes)
-    off = aims / step - keys.dither - quantiser.message.bits(keys) / 2.0
-    change = step * ((np.round(off) - off)[:, None] + BESIDE)  # (n, 27, 3)
     turn = follow.transpose(0, 2, 1)
     motions = change @ turn
     length = np.einsum("nkj,nkj->nk", motions, motions)
     motions = motions + ((aims - points)[:, None] @ turn)
-    ends = lattice.places((points[:, None] + motions).reshape(-1, 3)).reshape(motions.shape) - cubes[:, None]
-    margin = GUARD * step / SIDE
+    ends = quantiser.lattice.places((points[:, None] + motions).reshape(-1, 3)).reshape(motions.shape)
+    ends -= cubes[:, None]
+    margin = GUARD * quantiser.step / SIDE
     inside = ((ends > margin) & (ends < 1.0 - margin)).all(axis=2)
     length = np.where(inside, length, np.inf)
     best = length.argmin(axis=1)
