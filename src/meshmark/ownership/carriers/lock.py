@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.ownership.carriers.weighted_squares import WeightedSquares
 
-__all__ = ["Lock", "LockSearch", "grid_size"]
+__all__ = ["Lock", "LockSearch", "StepSearch", "grid_size"]
 
 # Spacing of the grid in each direction, in radians (RMS over cells). Half of that in
 # seven directions leaves a score of about 0.6 of the peak's.
@@ -72,8 +72,7 @@ class LockSearch:
         weight: FloatArray,
     ) -> None:
         response = gradient * expected
-        weighted = response * weight[:, None]
-        _, turn = np.linalg.eigh(weighted.T @ weighted)
+        turn = _directions(response, weight)
         self._weight = weight
         self._psi, self._response, self._back = psi, response @ turn, expected[:, None] * turn
         self._grid = _plan(self._response, weight, radius, most)
@@ -81,7 +80,7 @@ class LockSearch:
     @property
     def tried(self) -> float:
         """How many independent corrections the best of this search is the best of, at most."""
-        return float(self._grid.size * (FINER * SLACK) ** self._response.shape[1])
+        return _distinguished(self._grid, self._response)
 
     def rough(self, keep: int) -> list[Lock]:
         """Return the best grid points, best first, one at most of each row of the grid.
@@ -95,7 +94,8 @@ class LockSearch:
         if not rough:
             return []
         starts = np.linalg.solve(self._back, np.array([lock.correction for lock in rough]).T).T
-        places = _polish(self._psi, self._response, self._weight, starts)
+        psi, scale = np.tile(self._psi, (len(rough), 1)), np.ones(len(rough))
+        places = _polish(psi, self._response, self._weight, starts, scale)
         inside = np.linalg.norm(places, axis=1) <= self._grid.radius * SLACK
         return [
             self._lock(place) if near else lock
@@ -105,6 +105,71 @@ class LockSearch:
     def _lock(self, place: FloatArray) -> Lock:
         score = float(np.cos(self._psi + self._response @ place) @ self._weight)
         return Lock(correction=self._back @ place, score=score, tried=self.tried)
+
+
+class StepSearch:
+    """The search for corrections of cells that are read with several quantisation steps, all at once.
+
+    psi: (s, n) phases that do not depend on bits, radians, for each of the steps (s,); gradient: (n, d) their change
+    per unit of each part of the correction at a step of 1. expected, radius, weight: as in `LockSearch`.
+    """
+
+    def __init__(
+        self,
+        psi: FloatArray,
+        gradient: FloatArray,
+        steps: Sequence[float],
+        expected: FloatArray,
+        radius: float,
+        *,
+        weight: FloatArray,
+    ) -> None:
+        response = gradient * expected
+        turn = _directions(response, weight)
+        self._psi, self._steps, self._weight = psi, np.array(steps), weight
+        self._response, self._back = response @ turn, expected[:, None] * turn
+        waves = _Waves(self._response, _spread(self._response, weight))
+        self._grids = [_plan(self._response / step, weight, radius, MOST, waves) for step in steps]
+
+    @property
+    def tried(self) -> float:
+        """How many independent corrections the best of this search is the best of, at most, all steps together."""
+        return sum(_distinguished(grid, self._response) for grid in self._grids)
+
+    def best(self, keep: int, polished: int) -> list[tuple[float, Lock]]:
+        """Return steps and locks, best first: the tops next to the best grid points of all steps.
+
+        keep: grid points of each step; polished: of them all.
+        """
+        found = [
+            (row, place)
+            for row, (psi, grid) in enumerate(zip(self._psi, self._grids, strict=True))
+            for place in _best_places(grid, psi, self._weight, keep)
+        ]
+        rows, starts = np.array([row for row, _ in found]), np.array([place for _, place in found])
+        first = np.argsort(-self._scores(rows, starts), kind="stable")[:polished]
+        rows, starts = rows[first], starts[first]
+        ends = _polish(self._psi[rows], self._response, self._weight, starts, 1.0 / self._steps[rows])
+        reach = np.array([self._grids[row].radius for row in rows]) * SLACK
+        places = np.where((np.linalg.norm(ends, axis=1) <= reach)[:, None], ends, starts)
+        scores = self._scores(rows, places)
+        return [
+            (
+                float(self._steps[rows[i]]),
+                Lock(correction=self._back @ places[i], score=float(scores[i]), tried=self.tried),
+            )
+            for i in np.argsort(-scores, kind="stable")
+        ]
+
+    def _scores(self, rows: IntArray, places: FloatArray) -> FloatArray:
+        moved = (places / self._steps[rows, None]) @ self._response.T
+        return np.asarray(np.cos(self._psi[rows] + moved) @ self._weight)
+
+
+def _directions(response: FloatArray, weight: FloatArray) -> FloatArray:
+    """Return the principal directions (d, d), in columns, of the response (n, d) of weighted phases."""
+    weighted = response * weight[:, None]
+    return np.asarray(np.linalg.eigh(weighted.T @ weighted)[1])
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -123,6 +188,11 @@ class _Grid:
     halves: tuple[_Half, _Half]
     radius: float
     size: int
+
+
+def _distinguished(grid: _Grid, response: FloatArray) -> float:
+    """Return how many independent corrections the best of a grid, polished, is the best of, at most."""
+    return float(grid.size * (FINER * SLACK) ** response.shape[1])
 
 
 def grid_size(response: FloatArray, radius: float) -> float:
@@ -144,9 +214,40 @@ def _points(spread: FloatArray, radius: float) -> tuple[float, IntArray]:
     return float(np.prod(2.0 * reach + 1.0) * filled), reach
 
 
-def _plan(response: FloatArray, weight: FloatArray, radius: float, most: int) -> _Grid:
+class _Waves:
+    """The waves of grid points along single directions: the same whatever the step is that scales the response."""
+
+    def __init__(self, response: FloatArray, spread: FloatArray) -> None:
+        self._response, self._spread = response, spread
+        self._known: dict[int, NDArray[np.complex64]] = {}
+
+    @property
+    def count(self) -> int:
+        """The number of phases, n."""
+        return len(self._response)
+
+    def along(self, direction: int, reach: int) -> NDArray[np.complex64]:
+        """Return those (2 reach + 1, n) of the points from -reach to reach along a direction."""
+        known = self._known.get(direction)
+        if known is None or len(known) < 2 * reach + 1:
+            turn = np.arange(-reach, reach + 1) * (GRID / self._spread[direction])
+            known = np.exp(1j * np.outer(turn, self._response[:, direction])).astype(np.complex64)
+            self._known[direction] = known
+        middle = len(known) // 2
+        return known[middle - reach : middle + reach + 1]
+
+
+def _spread(response: FloatArray, weight: FloatArray) -> FloatArray:
+    """Return (d,): the RMS response of weighted phases to each direction."""
+    return np.asarray(np.sqrt(weight**2 @ response**2 / (weight @ weight)))
+
+
+def _plan(
+    response: FloatArray, weight: FloatArray, radius: float, most: int, waves: _Waves | None = None
+) -> _Grid:
     """Lay the grid over the ball; shrink the ball until the points are few enough."""
-    spread = np.sqrt(weight**2 @ response**2 / (weight @ weight))
+    spread = _spread(response, weight)
+    waves = _Waves(response, spread) if waves is None else waves
     while True:
         points, reach = _points(spread, radius)
         if points <= most:
@@ -155,18 +256,18 @@ def _plan(response: FloatArray, weight: FloatArray, radius: float, most: int) ->
     order = np.argsort(-reach, kind="stable")
     # Dealt out 1 2 2 1 1 2 2 1 by their number of points, the directions make halves of about equal size.
     first = (np.arange(len(order)) + 1) // 2 % 2 == 0
-    one, two = (_lay(response, spread, reach, order[side], radius) for side in (first, ~first))
+    one, two = (_lay(waves, spread, reach, order[side], radius) for side in (first, ~first))
     size = int(np.searchsorted(two.distances, _leg(radius, one.distances), side="right").sum())
     return _Grid(halves=(one, two), radius=radius, size=size)
 
 
 def _lay(
-    response: FloatArray, spread: FloatArray, reach: IntArray, directions: IntArray, radius: float
+    waves: _Waves, spread: FloatArray, reach: IntArray, directions: IntArray, radius: float
 ) -> _Half:
     """Return the grid over some directions, within the radius, nearest first."""
     active = directions[reach[directions] > 0]
     spacing = GRID / spread[active]
-    squares, waves = np.zeros(1), np.ones((1, len(response)), dtype=np.complex64)
+    squares, product = np.zeros(1), None
     ticks = np.zeros((1, 0), dtype=np.int64)
     for i, d in zip(active, spacing, strict=True):
         tick = np.arange(-reach[i], reach[i] + 1)
@@ -178,10 +279,13 @@ def _lay(
             row, column, squares = row[order], column[order], squares[order]
         ticks = np.column_stack([ticks[row], tick[column]])
         # Few ticks, many points: a product is cheaper than an exponential.
-        waves = waves[row] * np.exp(1j * np.outer(tick * d, response[:, i])).astype(np.complex64)[column]
+        along = waves.along(int(i), int(reach[i]))[column]
+        product = along if product is None else product[row] * along
     places = np.zeros((len(ticks), len(spread)))
     places[:, active] = ticks * spacing
-    return _Half(places=places, distances=np.sqrt(squares), waves=waves)
+    if product is None:  # the middle alone
+        product = np.ones((1, waves.count), dtype=np.complex64)
+    return _Half(places=places, distances=np.sqrt(squares), waves=product)
 
 
 def _leg(radius: float, other: FloatArray) -> FloatArray:
@@ -213,10 +317,16 @@ def _best_places(grid: _Grid, psi: FloatArray, weight: FloatArray, keep: int) ->
     return [one.places[a] + two.places[b] for _, a, b in found]
 
 
-def _polish(psi: FloatArray, response: FloatArray, weight: FloatArray, places: FloatArray) -> FloatArray:
-    """Climb to the top of the score from each place (k, d) by damped Newton steps; return the ends (k, d)."""
+def _polish(
+    psi: FloatArray, response: FloatArray, weight: FloatArray, places: FloatArray, scale: FloatArray
+) -> FloatArray:
+    """Climb to the top of each score from each place (k, d) by damped Newton steps; return the ends (k, d).
+
+    psi: (k, n) the phases at 0; scale: (k,) what the response (n, d) is to be multiplied by for each.
+    """
     here, damping = places.copy(), np.full(len(places), 1e-2)
-    phase = psi + here @ response.T
+    factor = scale[:, None]
+    phase = psi + factor * (here @ response.T)
     cosine = np.cos(phase)
     score = cosine @ weight
     climbing = np.arange(len(places))
@@ -224,12 +334,12 @@ def _polish(psi: FloatArray, response: FloatArray, weight: FloatArray, places: F
     diagonal = np.arange(response.shape[1])
     for _ in range(POLISH_STEPS):
         # Where a cosine is low its curvature points the wrong way; it is left out.
-        hessian = squares(weight * np.maximum(cosine[climbing], 0.0))
+        hessian = squares(weight * np.maximum(cosine[climbing], 0.0)) * factor[climbing, :, None] ** 2
         # An expected step of 1 holds ill-determined ones.
         hessian[:, diagonal, diagonal] += hessian[:, diagonal, diagonal] * damping[climbing, None] + 1.0
-        slope = (weight * np.sin(phase[climbing])) @ response
+        slope = factor[climbing] * ((weight * np.sin(phase[climbing])) @ response)
         ahead = here[climbing] + np.linalg.solve(hessian, -slope[..., None])[..., 0]
-        moved = psi + ahead @ response.T
+        moved = psi[climbing] + factor[climbing] * (ahead @ response.T)
         there = np.cos(moved)
         better = there @ weight
         up = better > score[climbing]
