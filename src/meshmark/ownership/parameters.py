@@ -130,8 +130,8 @@ MOMENT_GAP: Final = 1e-3
 
 # A lock less likely than 10^this by chance is worth decoding.
 DECODE_LOG10: Final = -3.0
-# Nor is one of a restoration that does not stand out from the best of the corrections that were tried: without a mark
-# one in eight is less likely than this, and none above ever told an id that another did not (decision 0044).
+# Nor is one of a restoration that does not stand out from the best of the corrections that were tried: without a
+# mark one in six is less likely than this, and none above told an id that no other did (decision 0044).
 RESTORED_LOG10: Final = -6.5
 # Axes whose moments differ by less than this turn so easily that they are held instead of followed.
 ALIKE: Final = 0.02
@@ -154,7 +154,7 @@ LOCK_RADIUS: Final = 3.0
 LOCK_STEPS: Final = tuple(float(step) for step in STEPS[:8])
 # A step such as standard marks have: clusters of cells are chosen by it.
 TYPICAL_STEP: Final = 0.1
-# Number of peaks of the lock that are looked at for each step, of those that are polished of all steps (the one that
+# Number of peaks of the lock that are looked at for each step, of those that are polished of all steps (that which
 # told an id was among the best ten; decision 0044), and of corrections of a reading that are decoded.
 LOCK_PEAKS: Final = 6
 LOCK_POLISHED: Final = 16

@@ -45,9 +45,7 @@ class Measurement:
     relief: Callable[[], Relief] | None = None
 
     @classmethod
-    def of(
-        cls, lattice: Lattice, cells: Cells, relief: Callable[[], Relief] | None = None
-    ) -> Measurement:
+    def of(cls, lattice: Lattice, cells: Cells, relief: Callable[[], Relief] | None = None) -> Measurement:
         """Return the measurement of these cells."""
         keys = lattice.keys(cells.nodes)
         return cls(label=lattice.label, spacing=lattice.spacing, cells=cells, keys=keys, relief=relief)

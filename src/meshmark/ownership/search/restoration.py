@@ -26,11 +26,11 @@ __all__ = ["Restoration", "Shape", "restorations", "stretched"]
 # Low-pass filters 1 - (1 - exp(-t x))^4: flat for coarse shape, nothing of the roughness left.
 LOW_PASS: Final = (2.0, 4.0)
 ORDER: Final = 4
-# A shape that filtering leaves smaller than this has no frame for others. Nor has one whose frame the smoother filter
-# takes further than this from that of the other (`frame_distance`): it is about twice as far from that of the model,
-# 2.3 standard deviations of what a lock expects (decision 0044).
+# A shape that filtering leaves smaller than this has no frame for others. Nor has one whose frame is further than
+# AGREED (`frame_distance`) from that of a shape low-passed by SMOOTHEST: the filter itself, and not noise, moves
+# the frame by more than a lock finds back (decision 0044).
 HELD: Final = 0.5
-AGREED: Final = 0.015
+SMOOTHEST, AGREED = 8.0, 0.017
 # Shapes whose frames differ by less than this, half a standard deviation, need not be read in both.
 SAME_FRAME: Final = 0.006
 # Amounts of smoothing undone; from one to the next shapes are interpolated.
@@ -97,16 +97,16 @@ def restorations(surface: Surface, frame_known: bool = False) -> Iterator[Restor
     """
     plain = Shape(surface.points)
     yield Restoration(shapes=(plain,))
-    filters = [_low_pass(t) for t in LOW_PASS] + [_undone(t) for t in UNDONE[1:]]
+    filters = [_low_pass(t) for t in (*LOW_PASS, SMOOTHEST)] + [_undone(t) for t in UNDONE[1:]]
     centre = surface.points.mean(axis=0)
     filtered = spectral_filters(surface.walk, surface.points - centre, filters)
     filtered += centre
-    smooth, smoother, *undone = map(Shape, filtered)
+    smooth, smoother, smoothest, *undone = map(Shape, filtered)
     # Noise makes areas uneven, and by that moves the frame by more than a lock reaches; of the smoothest shape it
     # moves it least, unless the filter itself does.
     holds = _holds(surface.points - centre, smoother.points - centre)
     frame = smoother if holds else None
-    low_passed = frame_known or (holds and _apart(surface, smooth, smoother) < AGREED)
+    low_passed = frame_known or (holds and _apart(surface, smoother, smoothest) < AGREED)
     if not frame_known and low_passed and _apart(surface, plain, smoother) > SAME_FRAME:
         yield Restoration(shapes=(Shape(surface.points, frame),))
     if low_passed:
@@ -123,7 +123,7 @@ def _holds(points: FloatArray, filtered: FloatArray) -> bool:
 
 
 def _apart(surface: Surface, one: Shape, other: Shape) -> float:
-    """Return how far the frames of two shapes of a surface are from each other, in the nearest turn of the second."""
+    """Return how far the frames of two shapes of a surface are from each other, in the nearest turn."""
     first, second = (canonical_frame(shape.points, surface.faces) for shape in (one, other))
     return min(frame_distance(first, turned) for turned in frame_alternatives(second))
 

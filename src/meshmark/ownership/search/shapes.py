@@ -149,7 +149,7 @@ class Shapes:
         return Response(Measurement.of(lattice, cells, relief), gradient)
 
     def _middle(self, restoration: Restoration) -> tuple[FloatArray, Umbrellas]:
-        """Return the canonical points (p, 3) of a restoration in the middle of what is expected, and their moves."""
+        """Return canonical points (p, 3) of a restoration in the middle of what is expected, and their moves."""
         if restoration not in self._middles:
             frame = self.frame(restoration.shapes[0])
             middle = frame.to_canonical(restoration.between(restoration.middle))
