@@ -44,6 +44,7 @@ __all__ = [
     "LONGEST_SAMPLE",
     "LONG_EDGES",
     "LOST_ERROR",
+    "LOW_PASSED_EDGES",
     "MOMENT_GAP",
     "NEEDED_BITS",
     "ORIGINAL_SPACINGS",
@@ -100,6 +101,10 @@ SPACING_TRIES: Final = 3
 # they are simplified to a twentieth.
 LONG_EDGES: Final = (1.5, 2.5)
 LONGEST_EDGES: Final = 3.2
+
+# Above this the mildest filter of a restoration leaves less than a third of waves two spacings long, and so of the
+# mark: only the shape as it stands is corrected there, unless the search is wide (decision 0044).
+LOW_PASSED_EDGES: Final = 1.1
 
 # Quantisation steps in spacings. Above the largest, bumps become visible and the solve nonlinear.
 STEPS: Final = 0.24 * 2.0 ** (-np.arange(13) / 2.0)

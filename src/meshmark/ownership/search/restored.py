@@ -27,10 +27,11 @@ __all__ = ["hypotheses", "restored_readings"]
 def restored_readings(search: Search) -> Iterator[Reading]:
     """Yield the best few corrected readings of each restoration, spacing and turn, likeliest first.
 
-    Unless the search is wide, only those whose lock stands out.
+    Unless the search is wide, only those whose lock stands out, and of coarse meshes the shape as it stands alone.
     """
     shapes = Shapes(search.surface)
-    for restoration in restorations(search.surface):
+    most = None if search.wide or search.bears_filters else 1
+    for restoration in islice(restorations(search.surface), most):
         for hypothesis in hypotheses(search, shapes, restoration):
             for reading in locked_readings(shapes, hypothesis, LOCK_STEPS, search.trials.charge()):
                 if search.wide or reading.log10_chance <= RESTORED_LOG10:

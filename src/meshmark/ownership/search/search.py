@@ -18,6 +18,7 @@ from meshmark.ownership.parameters import (
     LABELS,
     LONG_EDGES,
     LONGEST_EDGES,
+    LOW_PASSED_EDGES,
     preferred_spacings,
 )
 from meshmark.ownership.points.parameters import DEAREST_LABEL as DEAREST_AT_POINTS
@@ -73,6 +74,11 @@ class Search:
         if isinstance(self.reference, Certificate) and self.reference.at_points:
             return False
         return self._longest <= LONGEST_EDGES
+
+    @property
+    def bears_filters(self) -> bool:
+        """Return whether what restorations filter off the surface leaves enough of a mark in cells."""
+        return self._longest <= LOW_PASSED_EDGES
 
     @cached_property
     def suits_points(self) -> bool:
