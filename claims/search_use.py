@@ -58,7 +58,7 @@ CHANGES = (
     "crop:0.06",
 )
 NAMES = tuple(strategy.name for strategy in STRATEGIES)
-COLUMNS = ("model", "size_class", "outcome", *CHANGES, *NAMES)
+COLUMNS = ("model", "size_class", "outcome", *CHANGES, *NAMES, "seconds")
 WRONG = "wrong id"
 
 
@@ -104,6 +104,7 @@ def costs(mesh: Mesh, key: Key) -> dict[str, str]:
 
 def row_of(model: str) -> dict[str, str]:
     """Return the row of one model."""
+    start = process_time()
     mesh = load(DATA / model)
     digest = hashlib.sha256(model.encode()).digest()
     key, identity = Key(digest), int.from_bytes(digest[:8], "little")
@@ -111,7 +112,7 @@ def row_of(model: str) -> dict[str, str]:
     try:
         made = embed(mesh, key, id=identity)
     except CapacityError as error:
-        return row | {"outcome": f"refused: {error}"}
+        return row | {"outcome": f"refused: {error}", "seconds": f"{process_time() - start:.2f}"}
     row["outcome"] = "points" if made.mark.at_points else "cells"
     for change in CHANGES:
         seed = hashlib.sha256(f"{model} {change}".encode()).digest()[:8]
@@ -120,12 +121,14 @@ def row_of(model: str) -> dict[str, str]:
             row[change] = told(parse_chain(f"{change}+similarity:1")(made.mesh, random), key, identity)
         except MeshmarkError as error:
             row[change] = f"refused: {error}"
-    return row
+    return row | {"seconds": f"{process_time() - start:.2f}"}
 
 
 def main() -> int:
     """Measure, print, and exit with 1 where a wrong id was told."""
-    options = parser_of(__doc__, least=200).parse_args()
+    parser = parser_of(__doc__, least=200)
+    parser.set_defaults(split="train")
+    options = parser.parse_args()
     rows = measure(options, COLUMNS, models_of([options.split]), row_of)
     print("| damage | cells, told | at points, told | by |\n|---|---|---|---|")
     for change in CHANGES:
