@@ -53,6 +53,7 @@ COMMANDS = {
     "roundtrip": "docs/decisions/0016-odd-files.md",
     "saliency_speed": "docs/claims.md",
     "same_behaviour": "docs/decisions/0018-layout.md",
+    "search_use": "docs/decisions/0044-absent-of-small-models.md",
     "security": "docs/results/security.md",
     "serve_fuzz": "docs/serve.md",
     "serve_load": "docs/serve.md",
@@ -65,7 +66,7 @@ ALONE = {
     "authenticate_speed", "batch_runs", "by_hand", "coarse", "compressed_gltf", "costa", "crops_and_mosaics",
     "false_alarms", "false_positives", "hostile", "large_models", "lattice_labels", "original_recovery",
     "parts_of_assemblies", "performance", "princeton", "published", "registration", "rivals_sanity",
-    "same_behaviour", "security", "sizing", "web_exports",
+    "same_behaviour", "search_use", "security", "sizing", "web_exports",
 }  # fmt: skip
 
 

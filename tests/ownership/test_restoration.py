@@ -74,6 +74,21 @@ def test_a_shape_that_filtering_shrinks_to_nothing_is_no_frame():
             assert np.abs(shapes.frame(shape).to_canonical(shape.points)).max() < 3.0
 
 
+def test_low_passed_shapes_are_left_out_where_the_filters_move_the_frame():
+    """On a coarse mesh a filter takes the frame further than any noise that a mark bears."""
+    coarse = surface_of(Mesh(*pebble(20)))
+    blind, known = (list(restorations(coarse, frame_known=given)) for given in (False, True))
+    assert [len(each.shapes) for each in blind] == [1, 2, 2, 2, 2]
+    assert [len(each.shapes) for each in known] == [1, 1, 2, 2, 2, 2, 1]
+
+
+def test_a_surface_is_not_read_again_in_the_same_frame():
+    smooth = surface_of(Mesh(POINTS, FACES))
+    found = [each.shapes[0] for each in restorations(smooth)]
+    assert sum(np.array_equal(shape.points, smooth.points) for shape in found) == 1
+    assert [shape.framed_by for shape in found if shape.framed_by is not None] == [found[-1]]
+
+
 def test_invariants_of_the_middle_lie_between_those_of_the_ends():
     surface = noisy()
     shapes = Shapes(surface)

@@ -36,6 +36,7 @@ __all__ = [
     "LOCK_CANDIDATES",
     "LOCK_EXPECTED",
     "LOCK_PEAKS",
+    "LOCK_POLISHED",
     "LOCK_RADIUS",
     "LOCK_STEPS",
     "LOCK_TURNS",
@@ -43,12 +44,14 @@ __all__ = [
     "LONGEST_SAMPLE",
     "LONG_EDGES",
     "LOST_ERROR",
+    "LOW_PASSED_EDGES",
     "MOMENT_GAP",
     "NEEDED_BITS",
     "ORIGINAL_SPACINGS",
     "PRESENCE_LOG10",
     "PRESENT_LOG10",
     "PROVEN_LOG10",
+    "RESTORED_LOG10",
     "SOLVE_PASSES",
     "SOLVE_TOLERANCE",
     "SPACINGS",
@@ -99,6 +102,10 @@ SPACING_TRIES: Final = 3
 LONG_EDGES: Final = (1.5, 2.5)
 LONGEST_EDGES: Final = 3.2
 
+# Above this the mildest filter of a restoration leaves less than a third of waves two spacings long, and so of the
+# mark: only the shape as it stands is corrected there, unless the search is wide (decision 0044).
+LOW_PASSED_EDGES: Final = 1.1
+
 # Quantisation steps in spacings. Above the largest, bumps become visible and the solve nonlinear.
 STEPS: Final = 0.24 * 2.0 ** (-np.arange(13) / 2.0)
 
@@ -128,6 +135,9 @@ MOMENT_GAP: Final = 1e-3
 
 # A lock less likely than 10^this by chance is worth decoding.
 DECODE_LOG10: Final = -3.0
+# Nor is one of a restoration that does not stand out from the best of the corrections that were tried: without a
+# mark one in six is less likely than this, and none above told an id that no other did (decision 0044).
+RESTORED_LOG10: Final = -6.5
 # Axes whose moments differ by less than this turn so easily that they are held instead of followed.
 ALIKE: Final = 0.02
 # Newton passes at most, and the largest error, in steps, with which they may stop.
@@ -149,9 +159,10 @@ LOCK_RADIUS: Final = 3.0
 LOCK_STEPS: Final = tuple(float(step) for step in STEPS[:8])
 # A step such as standard marks have: clusters of cells are chosen by it.
 TYPICAL_STEP: Final = 0.1
-# Number of peaks of the lock that are polished for each step, and number of corrections of a reading that are
-# decoded.
+# Number of peaks of the lock that are looked at for each step, of those that are polished of all steps (that which
+# told an id was among the best ten; decision 0044), and of corrections of a reading that are decoded.
 LOCK_PEAKS: Final = 6
+LOCK_POLISHED: Final = 16
 LOCK_CANDIDATES: Final = 5
 # A lock less likely than 10^this by chance, over its own search, is worth measuring anew where it puts the model.
 CREDIBLE_LOG10: Final = -0.5

@@ -7,7 +7,8 @@ import pytest
 
 from meshmark.ownership.carriers import grown_lock as growing
 from meshmark.ownership.carriers.grown_lock import FIRST, grown, neighbourhoods
-from meshmark.ownership.carriers.lock import LockSearch, grid_size
+from meshmark.ownership.carriers.lock import LockSearch
+from meshmark.ownership.carriers.lock_grid import grid_size
 from tests.counting import Share, some
 
 EXPECTED = np.array([0.014] * 3 + [0.011] + [0.016] * 3)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from meshmark.ownership.carriers import lock as module
+from meshmark.ownership.carriers import lock_grid as module
 from meshmark.ownership.carriers.lattice import CellKeys
-from meshmark.ownership.carriers.lock import LockSearch
+from meshmark.ownership.carriers.lock import LockSearch, StepSearch
 from meshmark.ownership.carriers.quantisation import log10_lock_chance
 
 EXPECTED = np.array([0.005] * 4 + [0.006] * 3)
@@ -41,7 +41,7 @@ def test_the_grid_search_is_the_plain_search():
     psi, gradient, _ = problem(3, cells=40)
     response = gradient * EXPECTED
     weight = np.random.default_rng(4).uniform(0.2, 1.8, 40)
-    grid = module._plan(response, weight, 1.5, module.MOST)
+    grid = module.plan_grid(response, weight, 1.5, module.MOST)
     one, two = grid.halves
     sums = [
         (p + q, a * a + b * b)
@@ -51,7 +51,7 @@ def test_the_grid_search_is_the_plain_search():
     ]
     assert len(sums) == grid.size > 100
     worth = [weight @ np.cos(psi + response @ place) - far for place, far in sums]
-    best = module._best_places(grid, psi, weight, 1)[0]
+    best = module.best_places(grid, psi, weight, 1)[0]
     np.testing.assert_allclose(best, sums[int(np.argmax(worth))][0], atol=1e-12)
 
 
@@ -66,6 +66,31 @@ def test_cells_of_no_weight_say_nothing(seed):
     np.testing.assert_allclose(with_all.correction, truth, atol=2e-4)
     without = search_lock(psi[~lost], gradient[~lost], EXPECTED)[0]
     assert with_all.score == pytest.approx(without.score, rel=1e-3)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_all_steps_at_once_find_what_each_step_finds(seed):
+    rng = np.random.default_rng(seed)
+    psi, gradient, _ = problem(seed)
+    steps = (2.0, 1.0, 0.5)
+    phases = np.stack([rng.uniform(0.0, 2.0 * np.pi, len(psi)), psi, rng.uniform(0.0, 2.0 * np.pi, len(psi))])
+    weight = rng.uniform(0.5, 1.5, len(psi))
+    together = StepSearch(phases, gradient, steps, EXPECTED, 2.0, weight=weight)
+    alone = [
+        LockSearch(each, gradient / step, EXPECTED, 2.0, weight=weight)
+        for each, step in zip(phases, steps, strict=True)
+    ]
+    assert together.tried == pytest.approx(sum(search.tried for search in alone))
+    wanted = [
+        (lock.score, step)
+        for step, one in zip(steps, alone, strict=True)
+        for lock in one.polished(one.rough(4))
+    ]
+    found = [(lock.score, step) for step, lock in together.best(4, 12)]
+    assert found == sorted(found, reverse=True)
+    np.testing.assert_allclose(sorted(found), sorted(wanted), rtol=1e-9)
+    assert together.best(4, 3)[0][0] == 1.0
+    assert together.best(4, 3)[0][1].score == pytest.approx(found[0][0])
 
 
 def test_a_correction_of_nothing_is_kept():

@@ -10,7 +10,8 @@ from __future__ import annotations
 import numpy as np
 
 from meshmark.mesh import FloatArray, IntArray
-from meshmark.ownership.carriers.lock import Lock, LockSearch, grid_size
+from meshmark.ownership.carriers.lock import Lock, LockSearch
+from meshmark.ownership.carriers.lock_grid import grid_size
 
 __all__ = ["MOST_FIRST", "grown", "neighbourhoods"]
 

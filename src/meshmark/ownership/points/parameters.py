@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 
 __all__ = [
+    "DEAREST_LABEL",
     "DISTINCT_BITS",
     "FEW_POINTS",
     "FREE",
@@ -23,6 +24,7 @@ __all__ = [
     "SIDE",
     "SLIDING",
     "STEPS",
+    "SURELY_SKEW",
     "TIES",
 ]
 
@@ -61,3 +63,8 @@ LIFTED: Final = 0.7
 # Second moments, shares of their sum, are kept this far apart, or this many RMS budgets times the width of the
 # model along the two axes (all in canonical units), whichever is less.
 MOMENTS_APART: Final = (0.0015, 1.2)
+# Damage that marks at points bear moves no coordinate of the label by more than a thirtieth of a bin, and turns no
+# axis round that is more skew than this (decision 0044): a search, unless it is wide, leaves out labels of a higher
+# price, in squared widths of a bin, and such turns.
+DEAREST_LABEL: Final = 0.001
+SURELY_SKEW: Final = 0.005

@@ -7,10 +7,10 @@ from collections.abc import Iterable, Iterator, Sequence
 from meshmark.geometry.frame import Frame, frame_alternatives
 from meshmark.ownership.carriers.lattice_label import Label
 from meshmark.ownership.carriers.reading import Reading
-from meshmark.ownership.parameters import SURELY_SKEW
+from meshmark.ownership.parameters import SURELY_SKEW as SURELY_SKEW_OF_CELLS
 from meshmark.ownership.points.carried_coordinates import Carried
 from meshmark.ownership.points.frame_sweep import sweep
-from meshmark.ownership.points.parameters import MOST_POINTS
+from meshmark.ownership.points.parameters import MOST_POINTS, SURELY_SKEW
 from meshmark.ownership.points.point_lattice import PointLattice
 from meshmark.ownership.points.point_reading import CHOICES, Framed, PointLock
 from meshmark.ownership.search.search import Search
@@ -30,8 +30,9 @@ def readings_of_points(search: Search, *, swept: bool = True) -> Iterator[Readin
     surface = search.surface
     if len(surface.points) > MOST_POINTS:
         return
-    turns = list(frame_alternatives(surface.frame, True, SURELY_SKEW))
-    labels = search.labels(surface.invariants)
+    surely = SURELY_SKEW_OF_CELLS if search.wide else SURELY_SKEW
+    turns = list(frame_alternatives(surface.frame, True, surely))
+    labels = search.labels(surface.invariants, at_points=True)
     carried = Carried.of(surface, surface.frame)
     before = carried.before_subdivision()
     for each in (carried,) if before is None else (carried, before):

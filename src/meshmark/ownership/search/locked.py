@@ -14,7 +14,7 @@ import numpy as np
 
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.ownership.carriers.grown_lock import grown, neighbourhoods
-from meshmark.ownership.carriers.lock import LockSearch
+from meshmark.ownership.carriers.lock import LockSearch, StepSearch
 from meshmark.ownership.carriers.quantisation import log10_lock_chance
 from meshmark.ownership.carriers.reading import Reading
 from meshmark.ownership.parameters import (
@@ -24,6 +24,7 @@ from meshmark.ownership.parameters import (
     LOCK_CANDIDATES,
     LOCK_EXPECTED,
     LOCK_PEAKS,
+    LOCK_POLISHED,
     LOCK_RADIUS,
     TYPICAL_STEP,
 )
@@ -51,24 +52,20 @@ def locked_readings(
     if not CARRIER_READABLE <= len(response) <= CARRIER_MOST:
         return
     expected = np.concatenate([LOCK_EXPECTED, hypothesis.restoration.expected])
-    found = []
-    tried = 0.0
-    for step in steps:
-        measured = response.measured
-        search = LockSearch(
-            measured.psi(step),
-            measured.turn(response.gradient, step),
-            expected,
-            LOCK_RADIUS,
-            weight=measured.keys.weight,
-        )
-        tried += search.tried
-        found += [(lock.score, step, lock.correction) for lock in search.polished(search.rough(LOCK_PEAKS))]
-    found.sort(key=lambda entry: -entry[0])
+    measured = response.measured
+    search = StepSearch(
+        np.stack([measured.psi(step) for step in steps]),
+        measured.turn(response.gradient, 1.0),
+        steps,
+        expected,
+        LOCK_RADIUS,
+        weight=measured.keys.weight,
+    )
+    tried = search.tried
+    found = [(lock.score, step, lock.correction) for step, lock in search.best(LOCK_PEAKS, LOCK_POLISHED)]
     for score, step, correction in _distinct(found)[:LOCK_CANDIDATES]:
-        phase = response.measured.phase(step, response.gradient @ correction)
-        reading = CellReading.of(response.measured, step, phase, charge * tried)
-        yield reading
+        phase = measured.phase(step, response.gradient @ correction)
+        yield CellReading.of(measured, step, phase, charge * tried)
         if log10_lock_chance(score, len(phase)) + np.log10(tried) < CREDIBLE_LOG10:
             yield _again(shapes.corrected(hypothesis, correction), step, charge * tried)
 

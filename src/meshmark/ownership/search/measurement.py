@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -33,18 +34,18 @@ __all__ = ["CellReading", "Measurement", "place", "read_cells"]
 class Measurement:
     """n cells of a lattice of one spacing (in canonical units), measured in one frame.
 
-    label: of the lattice. keys: what the key says of them. relief: of the surface, where the network is to
-    demodulate.
+    label: of the lattice. keys: what the key says of them. relief: measures that of the surface, where the network
+    is to demodulate: only of readings that are decoded.
     """
 
     label: Label
     spacing: float
     cells: Cells
     keys: CellKeys
-    relief: Relief | None = None
+    relief: Callable[[], Relief] | None = None
 
     @classmethod
-    def of(cls, lattice: Lattice, cells: Cells, relief: Relief | None = None) -> Measurement:
+    def of(cls, lattice: Lattice, cells: Cells, relief: Callable[[], Relief] | None = None) -> Measurement:
         """Return the measurement of these cells."""
         keys = lattice.keys(cells.nodes)
         return cls(label=lattice.label, spacing=lattice.spacing, cells=cells, keys=keys, relief=relief)
@@ -103,7 +104,7 @@ class CellReading(Reading):
             return super().ratios()
         from meshmark.ownership.demodulator import demodulate
 
-        return demodulate(self.observation(self.measured.relief))
+        return demodulate(self.observation(self.measured.relief()))
 
 
 def read_cells(samples: Samples, lattice: Lattice, pose: Pose) -> Cells:

@@ -15,6 +15,8 @@ from typing import Final
 
 import numpy as np
 
+from meshmark.geometry.completion import frame_distance
+from meshmark.geometry.frame import canonical_frame, frame_alternatives
 from meshmark.geometry.scale_space import spectral_filters
 from meshmark.geometry.surface import Surface
 from meshmark.mesh import FloatArray
@@ -24,8 +26,13 @@ __all__ = ["Restoration", "Shape", "restorations", "stretched"]
 # Low-pass filters 1 - (1 - exp(-t x))^4: flat for coarse shape, nothing of the roughness left.
 LOW_PASS: Final = (2.0, 4.0)
 ORDER: Final = 4
-# A shape that filtering leaves smaller than this has no frame for others.
+# A shape that filtering leaves smaller than this has no frame for others. Nor has one whose frame is further than
+# AGREED (`frame_distance`) from that of a shape low-passed by SMOOTHEST: the filter itself, and not noise, moves
+# the frame by more than a lock finds back (decision 0044).
 HELD: Final = 0.5
+SMOOTHEST, AGREED = 8.0, 0.017
+# Shapes whose frames differ by less than this, half a standard deviation, need not be read in both.
+SAME_FRAME: Final = 0.006
 # Amounts of smoothing undone; from one to the next shapes are interpolated.
 UNDONE: Final = (0.0, 0.9, 2.0, 3.6, 5.6)
 # The inverse is the series sum_k (1 - exp(-t x))^k up to this k, which bounds what it does to noise.
@@ -85,28 +92,40 @@ def stretched(points: FloatArray) -> Restoration:
 def restorations(surface: Surface, frame_known: bool = False) -> Iterator[Restoration]:
     """Yield what may have been before noise or smoothing, likeliest first.
 
-    frame_known: the shapes are read in a given frame, whatever their own is.
+    Low-passed shapes are left out where the filter moves the frame by more than a lock finds back, as on coarse
+    meshes. frame_known: the shapes are read in a given frame, whatever their own is.
     """
-    yield Restoration(shapes=(Shape(surface.points),))
-    filters = [_low_pass(t) for t in LOW_PASS] + [_undone(t) for t in UNDONE[1:]]
+    plain = Shape(surface.points)
+    yield Restoration(shapes=(plain,))
+    filters = [_low_pass(t) for t in (*LOW_PASS, SMOOTHEST)] + [_undone(t) for t in UNDONE[1:]]
     centre = surface.points.mean(axis=0)
     filtered = spectral_filters(surface.walk, surface.points - centre, filters)
     filtered += centre
-    smooth, smoother, *undone = map(Shape, filtered)
+    smooth, smoother, smoothest, *undone = map(Shape, filtered)
     # Noise makes areas uneven, and by that moves the frame by more than a lock reaches; of the smoothest shape it
-    # moves it least.
-    frame = smoother if _holds(surface.points - centre, smoother.points - centre) else None
-    if not frame_known and frame is not None:
+    # moves it least, unless the filter itself does.
+    holds = _holds(surface.points - centre, smoother.points - centre)
+    frame = smoother if holds else None
+    low_passed = frame_known or (holds and _apart(surface, smoother, smoothest) < AGREED)
+    if not frame_known and low_passed and _apart(surface, plain, smoother) > SAME_FRAME:
         yield Restoration(shapes=(Shape(surface.points, frame),))
-    yield Restoration(shapes=(Shape(smooth.points, frame),))
+    if low_passed:
+        yield Restoration(shapes=(Shape(smooth.points, frame),))
     for before, after in pairwise((smooth, *undone)):
         yield Restoration(shapes=(before, after), middle=(0.5,), expected=(0.3,))
-    yield Restoration(shapes=(smoother,))
+    if low_passed:
+        yield Restoration(shapes=(smoother,))
 
 
 def _holds(points: FloatArray, filtered: FloatArray) -> bool:
     """Return whether a filter leaves the size of a shape about as it was; few large triangles shrink to nothing."""
     return float(np.linalg.norm(filtered)) > HELD * float(np.linalg.norm(points))
+
+
+def _apart(surface: Surface, one: Shape, other: Shape) -> float:
+    """Return how far the frames of two shapes of a surface are from each other, in the nearest turn."""
+    first, second = (canonical_frame(shape.points, surface.faces) for shape in (one, other))
+    return min(frame_distance(first, turned) for turned in frame_alternatives(second))
 
 
 def _low_pass(amount: float) -> Callable[[FloatArray], FloatArray]:

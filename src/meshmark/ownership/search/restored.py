@@ -12,6 +12,7 @@ from meshmark.ownership.parameters import (
     CARRIER_ENOUGH,
     LOCK_STEPS,
     LOCK_TURNS,
+    RESTORED_LOG10,
     SURELY_SKEW,
     preferred_spacings,
 )
@@ -24,11 +25,17 @@ __all__ = ["hypotheses", "restored_readings"]
 
 
 def restored_readings(search: Search) -> Iterator[Reading]:
-    """Yield the best few corrected readings of each restoration, spacing and turn, likeliest first."""
+    """Yield the best few corrected readings of each restoration, spacing and turn, likeliest first.
+
+    Unless the search is wide, only those whose lock stands out, and of coarse meshes the shape as it stands alone.
+    """
     shapes = Shapes(search.surface)
-    for restoration in restorations(search.surface):
+    most = None if search.wide or search.bears_filters else 1
+    for restoration in islice(restorations(search.surface), most):
         for hypothesis in hypotheses(search, shapes, restoration):
-            yield from locked_readings(shapes, hypothesis, LOCK_STEPS, search.trials.charge())
+            for reading in locked_readings(shapes, hypothesis, LOCK_STEPS, search.trials.charge()):
+                if search.wide or reading.log10_chance <= RESTORED_LOG10:
+                    yield reading
 
 
 def hypotheses(search: Search, shapes: Shapes, restoration: Restoration) -> Iterator[Hypothesis]:

@@ -18,8 +18,10 @@ from meshmark.ownership.parameters import (
     LABELS,
     LONG_EDGES,
     LONGEST_EDGES,
+    LOW_PASSED_EDGES,
     preferred_spacings,
 )
+from meshmark.ownership.points.parameters import DEAREST_LABEL as DEAREST_AT_POINTS
 from meshmark.ownership.points.parameters import MOST_POINTS
 from meshmark.ownership.search.trials import TrialCounter
 
@@ -73,6 +75,11 @@ class Search:
             return False
         return self._longest <= LONGEST_EDGES
 
+    @property
+    def bears_filters(self) -> bool:
+        """Return whether what restorations filter off the surface leaves enough of a mark in cells."""
+        return self._longest <= LOW_PASSED_EDGES
+
     @cached_property
     def suits_points(self) -> bool:
         """Return whether an embedding would have left out cells at once, so that points are read first."""
@@ -88,14 +95,19 @@ class Search:
     def _lattices(self) -> dict[tuple[float, Label], Lattice]:
         return {}
 
-    def labels(self, invariants: FloatArray, *, undone: bool = False) -> tuple[Label, ...]:
+    def labels(
+        self, invariants: FloatArray, *, undone: bool = False, at_points: bool = False
+    ) -> tuple[Label, ...]:
         """Return the labels of the lattices that a shape of these invariants may carry, likeliest first.
 
-        undone: smoothing was taken back, not quite as much as there was.
+        undone: smoothing was taken back, not quite as much as there was. at_points: what carries are points, which
+        bear less than cells.
         """
         if self.label is not None:
             return (self.label,)
         dearest = DEAREST_UNDONE if undone else DEAREST_LABEL
+        if at_points and not self.wide:
+            dearest = DEAREST_AT_POINTS
         return labels(invariants, self.key, LABELS[self.effort], dearest=dearest)
 
     def lattice(self, spacing: float, label: Label) -> Lattice:

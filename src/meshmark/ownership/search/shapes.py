@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -49,11 +50,13 @@ class Response:
 class Shapes:
     """Measures the shapes that one suspect may have had; what was measured is kept as long as the shape.
 
-    Each lies in the frame of its own, or all lie in a `fixed` one.
+    Each lies in the frame of its own, or all lie in a `fixed` one. longest: of their samples, in spacings.
     """
 
-    def __init__(self, surface: Surface, fixed: Frame | None = None) -> None:
-        self._faces, self._fixed = surface.faces, fixed
+    def __init__(
+        self, surface: Surface, fixed: Frame | None = None, *, longest: float = LONGEST_SAMPLE
+    ) -> None:
+        self._faces, self._fixed, self._longest = surface.faces, fixed, longest
         self._joined = surface.connectivity
         self._frames: WeakKeyDictionary[Shape, Frame] = WeakKeyDictionary()
         self._invariants: WeakKeyDictionary[Shape, FloatArray] = WeakKeyDictionary()
@@ -93,7 +96,7 @@ class Shapes:
         known = self._samples.setdefault(shape, {})
         if spacing not in known:
             canonical = self.frame(shape).to_canonical(shape.points)
-            longest = LONGEST_SAMPLE * spacing
+            longest = self._longest * spacing
             if self._plans is None:  # shapes of one suspect are alike: one plan does for all
                 self._plans = SamplerPlans(self._faces, face_lengths(canonical, self._faces))
             sampler = self._plans.plan(canonical, longest)
@@ -136,12 +139,22 @@ class Shapes:
         cells = Cells(
             nodes=start.nodes, offset=offset, normal=start.normal, mass=start.mass, flatness=start.flatness
         )
-        if restoration not in self._middles:
-            middle = self.frame(first).to_canonical(restoration.between(restoration.middle))
-            self._middles[restoration] = middle, Umbrellas.of(middle, self._joined)
-        relief = _relief(*self._middles[restoration], cells, lattice, self._pose(first, turned))
+        pose = self._pose(first, turned)
+
+        @cache
+        def relief() -> Relief:
+            return _relief(*self._middle(restoration), cells, lattice, pose)
+
         gradient = np.hstack([pose_gradient(cells, lattice), change])
         return Response(Measurement.of(lattice, cells, relief), gradient)
+
+    def _middle(self, restoration: Restoration) -> tuple[FloatArray, Umbrellas]:
+        """Return canonical points (p, 3) of a restoration in the middle of what is expected, and their moves."""
+        if restoration not in self._middles:
+            frame = self.frame(restoration.shapes[0])
+            middle = frame.to_canonical(restoration.between(restoration.middle))
+            self._middles[restoration] = middle, Umbrellas.of(middle, self._joined)
+        return self._middles[restoration]
 
     def corrected(self, hypothesis: Hypothesis, correction: FloatArray) -> Response:
         """Measure a hypothesis anew where a correction, of a pose and then of shares, puts it."""
@@ -150,8 +163,12 @@ class Shapes:
         shape = Shape(restoration.between(shares), restoration.shapes[0].framed_by)
         pose = self._pose(shape, hypothesis.turned).then(correction[:POSE_SIZE])
         cells = read_cells(self.samples(shape, lattice.spacing), lattice, pose)
-        canonical = self.frame(shape).to_canonical(shape.points)
-        relief = _relief(canonical, Umbrellas.of(canonical, self._joined), cells, lattice, pose)
+
+        @cache
+        def relief() -> Relief:
+            canonical = self.frame(shape).to_canonical(shape.points)
+            return _relief(canonical, Umbrellas.of(canonical, self._joined), cells, lattice, pose)
+
         return Response(Measurement.of(lattice, cells, relief), pose_gradient(cells, lattice))
 
     def _pose(self, shape: Shape, turned: Frame) -> Pose:

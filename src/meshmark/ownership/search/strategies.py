@@ -116,6 +116,7 @@ STRATEGIES: tuple[Strategy, ...] = (
         readings=late_function("meshmark.ownership.search.mirrored", "mirrored_readings"),
         applies=_looks_further,
         cost=1.0,
+        decode_below=DECODE_LOG10,
     ),
     Strategy(
         name="smoothing undone",

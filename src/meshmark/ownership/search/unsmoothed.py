@@ -21,6 +21,7 @@ from meshmark.geometry.sampling import plan_samples
 from meshmark.geometry.scale_space import spectral_filters
 from meshmark.geometry.surface import Surface
 from meshmark.mesh import FloatArray
+from meshmark.ownership.carriers.cells import Cells
 from meshmark.ownership.carriers.lattice import Lattice
 from meshmark.ownership.carriers.pose import Pose
 from meshmark.ownership.carriers.quantisation import lock_score, log10_lock_chance
@@ -57,6 +58,9 @@ TERMS: Final = 300
 # Where more is undone than was done the surface gets rough. One with this number of times the area was never the
 # model.
 ROUGHEST: Final = 6.0
+# Shapes are first read with samples up to this long, in spacings. A lock that is credible by the usual ones is less
+# likely by chance there than 10^SCREENED (decision 0044); without a mark one in thirty is.
+COARSE_SAMPLE, SCREENED = 0.5, -1.5
 # Most shapes, spacings and steps that are tried, and most turns of each: two, or with axes exchanged all.
 TRIED: Final = sum(map(len, SMOOTHINGS.values())) * len(SPACING_ORDER) * len(LOCK_STEPS)
 TURNS: Final = {False: LOCK_TURNS, True: 24}
@@ -85,10 +89,11 @@ def unsmoothed_readings(search: Search) -> Iterator[Reading]:
     """Yield each reading whose lock is credible, of all that may have been done; none of a fine mesh."""
     if not search.is_coarse:
         return
-    shapes, labels = Shapes(search.surface), LABELS[search.effort] if search.wide else 1
+    coarse, usual = Shapes(search.surface, longest=COARSE_SAMPLE), Shapes(search.surface)
+    labels = LABELS[search.effort] if search.wide else 1
     tried = TRIED * TURNS[search.wide] * labels
     for points in _before(search.surface):
-        for guess in _guesses(search, shapes, points):
+        for guess in _guesses(search, coarse, usual, Shape(points)):
             if guess.log10_chance + np.log10(tried) < CREDIBLE_LOG10:
                 yield guess.read(search, search.trials.charge() * tried)
 
@@ -114,28 +119,37 @@ def _inverse(shares: Sequence[float], passes: int) -> Callable[[FloatArray], Flo
     return lambda x: left(x) / (left(x) ** 2 + least**2)
 
 
-def _guesses(search: Search, shapes: Shapes, points: FloatArray) -> Iterator[_Guess]:
-    """Yield the best step of a shape for each spacing and turn that an embedding may have used."""
-    shape = Shape(points)
-    frame = shapes.frame(shape)
+def _guesses(search: Search, coarse: Shapes, usual: Shapes, shape: Shape) -> Iterator[_Guess]:
+    """Yield the best step of a shape for each spacing and turn that an embedding may have used.
+
+    coarse: reads all of them, usual: those that may lock.
+    """
+    frame = coarse.frame(shape)
     turns = list(frame_alternatives(frame, search.wide, SURELY_SKEW))
     # Many shapes are tried, and of the right one the first label is the right one nearly always.
-    labels = search.labels(shapes.invariants(shape))[: None if search.wide else 1]
+    labels = search.labels(coarse.invariants(shape))[: None if search.wide else 1]
     rich = 0
     for spacing in search.spacings_for(frame.area):
         lattices = [search.lattice(spacing, label) for label in labels]
         count = 0
         for lattice, turned in product(lattices, islice(turns, TURNS[search.wide])):
-            measured = Measurement.of(lattice, shapes.carriers(shape, lattice, turned))
-            count = len(measured)
+            carriers = coarse.carriers(shape, lattice, turned)
+            count = len(carriers.nodes)
             if count < CARRIER_READABLE:
                 break
-            scores = lock_score(measured.psi(np.array(LOCK_STEPS)[:, None]), measured.keys.weight)
-            best = int(scores.argmax())
-            chance = log10_lock_chance(float(scores[best]), count)
-            yield _Guess(
-                log10_chance=chance, points=points, frame=turned, lattice=lattice, step=LOCK_STEPS[best]
-            )
+            if _best_step(lattice, carriers)[0] < SCREENED:
+                chance, step = _best_step(lattice, usual.carriers(shape, lattice, turned))
+                yield _Guess(
+                    log10_chance=chance, points=shape.points, frame=turned, lattice=lattice, step=step
+                )
         rich += count >= CARRIER_PLENTY
-        if rich == SPACING_TRIES:
+        if rich == (SPACING_TRIES if search.wide else 1):
             return
+
+
+def _best_step(lattice: Lattice, carriers: Cells) -> tuple[float, float]:
+    """Return log10 of the chance of the lock of the step that locks best, and the step."""
+    measured = Measurement.of(lattice, carriers)
+    scores = lock_score(measured.psi(np.array(LOCK_STEPS)[:, None]), measured.keys.weight)
+    best = int(scores.argmax())
+    return log10_lock_chance(float(scores[best]), len(measured)), LOCK_STEPS[best]
