@@ -19,13 +19,15 @@ from meshmark.marking.embedding_result import AuthenticationMark
 from meshmark.marking.mark_request import MarkRequest
 from meshmark.marking.parts_telling import with_parts_telling
 from meshmark.marking.promises import broken_by
-from meshmark.marking.unread_marks import BrokenError, IdLostError, UnplacedError, UnreadError
+from meshmark.marking.seen_share import seen_share
+from meshmark.marking.unread_marks import BrokenError, IdLostError, SeenError, UnplacedError, UnreadError
 from meshmark.marking.verification import authentic
 from meshmark.marking.written_marks import Base, Written, write_marks
 from meshmark.mesh import Mesh
 from meshmark.ownership.extraction import extract, find
 from meshmark.ownership.search.search import Search
 from meshmark.scene.distinct import as_shown, scene_of
+from meshmark.strengths import SHOWN_SHARES
 
 __all__ = ["Authenticated", "with_authentication"]
 
@@ -92,7 +94,7 @@ def with_authentication(base: Base, request: MarkRequest) -> Authenticated:
     Raises
     ------
     CapacityError
-        No marks fit; the message says why the last ones do not.
+        No marks fit; the message says why the last ones do not. `SeenError` where the request wants them unseen.
     """
     if _may_go_without_payload(base, request):
         ways: tuple[_Wanted, ...] = (_Wanted.TELLING_ID, _Wanted.SMALL, _Wanted.NOT_TELLING_ID)
@@ -102,7 +104,7 @@ def with_authentication(base: Base, request: MarkRequest) -> Authenticated:
     for wanted in ways:
         try:
             return _first_read(base, request, wanted)
-        except IdLostError:
+        except (IdLostError, SeenError):
             raise
         except CapacityError as error:
             refusals.append(error)
@@ -133,6 +135,8 @@ def _first_read(base: Base, request: MarkRequest, wanted: _Wanted) -> Authentica
                 lost = lost + 1 if isinstance(error, IdLostError) else 0
                 if lost == _LOST or tries == _TRIES:
                     raise
+            except SeenError:
+                raise
             except CapacityError as error:
                 refusal = _without_frames(error)
                 break
@@ -148,7 +152,12 @@ def _without_frames(error: CapacityError) -> CapacityError:
 def _mended(base: Base, request: MarkRequest, chosen: Planned, *, wary: bool) -> Authenticated:
     """Return the marks of a plan, with others where a few do not bear what is promised: that is seen at once."""
     telling = with_parts_telling(base, request, chosen)
-    marks = bearing(base, request, planned_marks(base, request, telling))
+    marks = planned_marks(base, request, telling)
+    if request.unseen:
+        share = seen_share(base.original, marks.written.mesh)
+        if share > SHOWN_SHARES[request.strength]:
+            raise SeenError(share)
+    marks = bearing(base, request, marks)
     for _ in range(_MENDED):
         try:
             return _bound_or_not(base, request, marks.written, wary=wary)

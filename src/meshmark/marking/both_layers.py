@@ -13,13 +13,14 @@ from meshmark.authentication.shown_otherwise import packed_deviations
 from meshmark.coding.keys import Key
 from meshmark.coding.message import ID_BITS, told_id
 from meshmark.errors import CapacityError
-from meshmark.geometry.surface_of import surface_of
 from meshmark.marking.authentication_layer import with_authentication
 from meshmark.marking.embedding_result import Embedding
 from meshmark.marking.fewer_bits import fewer_bits_that_fit
 from meshmark.marking.mark_request import WEB_FORMATS, MarkRequest
 from meshmark.marking.marked_parts import parts_in_words, parts_read
 from meshmark.marking.repeated_mesh import embed_repeated
+from meshmark.marking.seen_share import seen_share
+from meshmark.marking.unread_marks import SeenError
 from meshmark.marking.verification import verify
 from meshmark.marking.written_marks import Base
 from meshmark.mesh import Mesh
@@ -206,42 +207,39 @@ def _both(mesh: Mesh, request: MarkRequest) -> Embedding:
 def _first_that_fits(below: Owned | None, mesh: Mesh, request: MarkRequest) -> Embedding:
     """Return the authentication layer with the first tolerance that fits; a remark says what it costs or lacks."""
     if not request.web_first:
-        made = _within_budget(below, mesh, request)
-        return _less_seen(made, below, mesh, request)
+        return _less_seen(below, mesh, request)
     try:
         made = _within_budget(below, mesh, replace(request, tolerance="web"))
         remark = _PRICE
     except CapacityError as error:
         made = _within_budget(below, mesh, request)
         remark = f"exports that round positions to 14 bits, as web pipelines do, break the marks: {error}"
-    return _told_if_seen(replace(made, remarks=(*made.remarks, remark)), _shown(made, mesh))
+    return _told_if_seen(replace(made, remarks=(*made.remarks, remark)), mesh)
 
 
-def _less_seen(made: Embedding, below: Owned | None, mesh: Mesh, request: MarkRequest) -> Embedding:
-    """Return the marks; those of the tolerance "web" where none is named, the former are seen and the latter less.
+def _less_seen(below: Owned | None, mesh: Mesh, request: MarkRequest) -> Embedding:
+    """Return the layer; where no tolerance is named and its marks are seen those of "web", if they are seen less.
 
     Six decimals are coarse for a model of small numbers, and marks of long words move further to bear them.
     """
-    shown = _shown(made, mesh)
-    if shown > SHOWN_SHARES[request.strength] and request.tolerance is None:
+    if request.tolerance is None:
+        try:
+            return _within_budget(below, mesh, replace(request, unseen=True))
+        except SeenError as error:
+            share = error.share
         with suppress(CapacityError):
             other = _within_budget(below, mesh, replace(request, tolerance="web"))
-            if _shown(other, mesh) < shown:
-                return replace(other, remarks=(*other.remarks, _SEEN_LESS.format(shown)))
-    return _told_if_seen(made, shown)
+            if seen_share(mesh, other.mesh) < share:
+                return replace(other, remarks=(*other.remarks, _SEEN_LESS.format(share)))
+    return _told_if_seen(_within_budget(below, mesh, request), mesh)
 
 
-def _told_if_seen(made: Embedding, shown: float) -> Embedding:
-    """Return the marks, with a remark where this share of the surface shows them and the strength promises less."""
-    if shown <= SHOWN_SHARES[made.strength]:
+def _told_if_seen(made: Embedding, mesh: Mesh) -> Embedding:
+    """Return the marks, with a remark where more of the surface shows them than the strength promises."""
+    share = seen_share(mesh, made.mesh)
+    if share <= SHOWN_SHARES[made.strength]:
         return made
-    return replace(made, remarks=(*made.remarks, _SEEN.format(shown)))
-
-
-def _shown(made: Embedding, mesh: Mesh) -> float:
-    """Return the share of the surface where the marks are visible."""
-    surface = surface_of(mesh)
-    return surface.visible_change.of(made.mesh.vertices[surface.vertex_of_point]).share
+    return replace(made, remarks=(*made.remarks, _SEEN.format(share)))
 
 
 def _within_budget(below: Owned | None, mesh: Mesh, request: MarkRequest) -> Embedding:

@@ -24,8 +24,9 @@ class MarkRequest:
 
     id: of so many bits, as `coding.message` counts them. layers: one of `LAYERS`, None for both where they fit.
     tolerance: as in `precisions_of`. optional: the authentication layer may be left out where it does not fit.
-    web_first: the tolerance "web" is tried first. shown: how the model's file shows something else than its
-    surface (`shown_otherwise.packed_deviations`).
+    web_first: the tolerance "web" is tried first. unseen: marks of authentication that are seen on more of the
+    surface than `SHOWN_SHARES` are refused. shown: how the model's file shows something else than its surface
+    (`shown_otherwise.packed_deviations`).
     """
 
     key: Key
@@ -37,6 +38,7 @@ class MarkRequest:
     tolerance: str | None
     optional: bool
     web_first: bool = False
+    unseen: bool = False
     shown: bytes = b""
 
     @classmethod

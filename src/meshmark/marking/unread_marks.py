@@ -5,7 +5,7 @@ from __future__ import annotations
 from meshmark.errors import CapacityError
 from meshmark.marking.promises import Broken
 
-__all__ = ["BrokenError", "IdLostError", "UnplacedError", "UnreadError"]
+__all__ = ["BrokenError", "IdLostError", "SeenError", "UnplacedError", "UnreadError"]
 
 
 class UnreadError(CapacityError):
@@ -28,3 +28,11 @@ class BrokenError(UnreadError):
             f"the marks of authentication would not survive {broken.called}, as the tolerance promises"
         )
         self.broken = broken
+
+
+class SeenError(CapacityError):
+    """Marks that must not be seen are, on this share of the surface; others of their tolerance would be, too."""
+
+    def __init__(self, share: float) -> None:
+        super().__init__(f"the marks of authentication would be seen on {share:.0%} of the surface")
+        self.share = share
