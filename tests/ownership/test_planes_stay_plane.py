@@ -7,7 +7,7 @@ import pytest
 from meshmark.geometry.plane_patches import PlanePatches
 from meshmark.geometry.surface_of import surface_of
 from meshmark.mesh import Mesh
-from meshmark.ownership import embedding, embedding_task
+from meshmark.ownership import embedding
 from meshmark.ownership.embedding import embed
 from meshmark.ownership.embedding_task import PLANE_OFF, EmbeddingTask
 from tests.keys import ID, KEY
@@ -67,13 +67,4 @@ def test_cells_that_bear_no_noise_give_way_to_points(monkeypatch):
     assert not embed(rough, KEY, id=ID).mark.at_points
     monkeypatch.setattr(embedding, "FIRM", 1e9)
     monkeypatch.setattr(embedding, "FRAIL_NOISE", 2e-2)
-    assert embed(rough, KEY, id=ID).mark.at_points
-
-
-def test_copies_that_could_be_combined_lie_in_points_where_another_id_would(monkeypatch):
-    rough = Mesh(*boulder(40, 0.02))
-    monkeypatch.setattr(embedding_task, "LEAST_POINTS", 500)
-    monkeypatch.setattr(embedding, "FIRM", 1e9)
-    assert not embed(rough, KEY, id=ID).mark.at_points
-    monkeypatch.setattr(embedding, "OTHER_LOG10", -1e9)
     assert embed(rough, KEY, id=ID).mark.at_points

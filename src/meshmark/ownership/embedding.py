@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from dataclasses import replace
 from math import sqrt
 
 import numpy as np
@@ -14,7 +13,6 @@ from meshmark.errors import CapacityError, InputError
 from meshmark.geometry.surface_of import surface_of_moved
 from meshmark.mesh import Mesh
 from meshmark.ownership.assembly_parts import assembly_parts
-from meshmark.ownership.decoding import Found
 from meshmark.ownership.embedding_in_cells import embed_in_cells
 from meshmark.ownership.embedding_task import EmbeddingTask, Owned
 from meshmark.ownership.extraction import find
@@ -33,10 +31,6 @@ FRAIL_NOISE = 1e-4
 # Of the training models tried none tougher than this lost its id to the noise (`OwnershipMark.toughness`), but for
 # those of which more than this share is sheets so thin that faces of both sides are in one cell.
 FIRM, FOLDED = 0.5, 0.3
-# Copies of one model that are put together tell nothing where some ids lie in cells and others in points. So marks
-# that are not firm are left in cells only where that of another id, under the noise, agrees by chance as seldom as
-# 10^this: three standard deviations, over ids, below what an id must have.
-OTHER_ID, OTHER_LOG10 = 0, -20.0
 # On larger ones planes are left alone where the mark still bears this share of the noise that it would bear; where
 # they are more than this share of the surface, it never did on training models.
 TOUGH, MOSTLY_PLANE = 0.7, 0.4
@@ -149,7 +143,7 @@ def _marked(task: EmbeddingTask) -> Owned:
     if flat is not None and leaves_planes and not _is_frail(task, flat):
         return flat
     bears = (not small or task.keeps_planes(in_cells.mesh)) and not _is_frail(task, in_cells)
-    if not bears or not _suits_other_ids(task, in_cells):
+    if not bears:
         with suppress(CapacityError):
             in_points = _in_points(task)
             if small or not _is_frail(task, in_points):
@@ -176,31 +170,12 @@ def _in_points(task: EmbeddingTask) -> Owned:
 
 def _is_frail(task: EmbeddingTask, made: Owned) -> bool:
     """Return whether the mark of a small model bears so little that a layer on top takes the id away."""
-    return not _is_firm(task, made) and _under_noise(task, made).id != task.identity
-
-
-def _is_firm(task: EmbeddingTask, made: Owned) -> bool:
-    """Return whether a mark bears the noise without a look."""
     firm = not made.mark.at_points and made.mark.toughness > FIRM and made.folded <= FOLDED
-    return firm or len(task.surface.points) > MAY_BE_FRAIL
-
-
-def _under_noise(task: EmbeddingTask, made: Owned) -> Found:
-    """Return what is read of a mark under the noise."""
+    if firm or len(task.surface.points) > MAY_BE_FRAIL:
+        return False
     size = task.surface.points.shape
     rng = np.random.default_rng(0)  # the same noise every time
     noise = FRAIL_NOISE * task.diagonal * rng.normal(size=size)
     surface = surface_of_moved(made.mesh, task.mesh)
-    return find(Search(surface=surface.moved(surface.points + noise), key=task.key, effort="plain"))
-
-
-def _suits_other_ids(task: EmbeddingTask, in_cells: Owned) -> bool:
-    """Return whether copies of the model with other ids lie in cells as well as this one, where that matters."""
-    if not task.may_have_fingerprint or _is_firm(task, in_cells):
-        return True
-    other = replace(task, identity=OTHER_ID)
-    try:
-        found = _under_noise(other, embed_in_cells(other))
-    except CapacityError:
-        return False
-    return found.id == OTHER_ID and found.log10_words[0] <= OTHER_LOG10
+    search = Search(surface=surface.moved(surface.points + noise), key=task.key, effort="plain")
+    return find(search).id != task.identity
