@@ -94,7 +94,9 @@ def with_authentication(base: Base, request: MarkRequest) -> Authenticated:
     Raises
     ------
     CapacityError
-        No marks fit; the message says why the last ones do not. `SeenError` where the request wants them unseen.
+        No marks fit; the message says why the last ones do not.
+    SeenError
+        The request wants marks that are not seen, and these are.
     """
     if _may_go_without_payload(base, request):
         ways: tuple[_Wanted, ...] = (_Wanted.TELLING_ID, _Wanted.SMALL, _Wanted.NOT_TELLING_ID)
@@ -104,7 +106,7 @@ def with_authentication(base: Base, request: MarkRequest) -> Authenticated:
     for wanted in ways:
         try:
             return _first_read(base, request, wanted)
-        except (IdLostError, SeenError):
+        except IdLostError:
             raise
         except CapacityError as error:
             refusals.append(error)
@@ -135,8 +137,6 @@ def _first_read(base: Base, request: MarkRequest, wanted: _Wanted) -> Authentica
                 lost = lost + 1 if isinstance(error, IdLostError) else 0
                 if lost == _LOST or tries == _TRIES:
                     raise
-            except SeenError:
-                raise
             except CapacityError as error:
                 refusal = _without_frames(error)
                 break

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from meshmark.errors import CapacityError
+from meshmark.errors import CapacityError, MeshmarkError
 from meshmark.marking.promises import Broken
 
 __all__ = ["BrokenError", "IdLostError", "SeenError", "UnplacedError", "UnreadError"]
@@ -30,8 +30,11 @@ class BrokenError(UnreadError):
         self.broken = broken
 
 
-class SeenError(CapacityError):
-    """Marks that must not be seen are, on this share of the surface; others of their tolerance would be, too."""
+class SeenError(MeshmarkError):
+    """Marks that must not be seen are, on this share of the surface; others of their tolerance would be, too.
+
+    No `CapacityError`, after which others of the same tolerance are tried.
+    """
 
     def __init__(self, share: float) -> None:
         super().__init__(f"the marks of authentication would be seen on {share:.0%} of the surface")

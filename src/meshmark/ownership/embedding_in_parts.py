@@ -100,10 +100,8 @@ def embed_in_parts(task: EmbeddingTask, owned: Owned, parts: Sequence[AssemblyPa
 def _marked(task: EmbeddingTask, owned: Owned, parts: Sequence[AssemblyPart], cost: float) -> Owned:
     """Return the mesh with the id in as many parts as carry it."""
     points = points_of(task, owned.mesh)
-    taken, step = (
-        carrying_points(task, owned),
-        owned.mark.step * owned.mark.spacing * task.surface.frame.scale,
-    )
+    taken = carrying_points(task, owned)
+    step = owned.mark.step * owned.mark.spacing * task.surface.frame.scale
     carrying = []
     for number, part in enumerate(parts):
         beside = replace(part, still=part.still | taken[part.rows])

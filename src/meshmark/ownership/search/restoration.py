@@ -16,7 +16,7 @@ from typing import Final
 import numpy as np
 
 from meshmark.geometry.completion import frame_distance
-from meshmark.geometry.frame import canonical_frame, frame_alternatives
+from meshmark.geometry.frame import Frame, canonical_frame, frame_alternatives
 from meshmark.geometry.scale_space import spectral_filters
 from meshmark.geometry.surface import Surface
 from meshmark.mesh import FloatArray
@@ -95,8 +95,7 @@ def restorations(surface: Surface, frame_known: bool = False) -> Iterator[Restor
     Low-passed shapes are left out where the filter moves the frame by more than a lock finds back, as on coarse
     meshes. frame_known: the shapes are read in a given frame, whatever their own is.
     """
-    plain = Shape(surface.points)
-    yield Restoration(shapes=(plain,))
+    yield Restoration(shapes=(Shape(surface.points),))
     filters = [_low_pass(t) for t in (*LOW_PASS, SMOOTHEST)] + [_undone(t) for t in UNDONE[1:]]
     centre = surface.points.mean(axis=0)
     filtered = spectral_filters(surface.walk, surface.points - centre, filters)
@@ -106,9 +105,12 @@ def restorations(surface: Surface, frame_known: bool = False) -> Iterator[Restor
     # moves it least, unless the filter itself does.
     holds = _holds(surface.points - centre, smoother.points - centre)
     frame = smoother if holds else None
-    low_passed = frame_known or (holds and _apart(surface, smoother, smoothest) < AGREED)
-    if not frame_known and low_passed and _apart(surface, plain, smoother) > SAME_FRAME:
-        yield Restoration(shapes=(Shape(surface.points, frame),))
+    low_passed = frame_known
+    if holds and not frame_known:
+        own, further = (canonical_frame(shape.points, surface.faces) for shape in (smoother, smoothest))
+        low_passed = _apart(own, further) < AGREED
+        if low_passed and _apart(surface.frame, own) > SAME_FRAME:
+            yield Restoration(shapes=(Shape(surface.points, frame),))
     if low_passed:
         yield Restoration(shapes=(Shape(smooth.points, frame),))
     for before, after in pairwise((smooth, *undone)):
@@ -122,10 +124,9 @@ def _holds(points: FloatArray, filtered: FloatArray) -> bool:
     return float(np.linalg.norm(filtered)) > HELD * float(np.linalg.norm(points))
 
 
-def _apart(surface: Surface, one: Shape, other: Shape) -> float:
-    """Return how far the frames of two shapes of a surface are from each other, in the nearest turn."""
-    first, second = (canonical_frame(shape.points, surface.faces) for shape in (one, other))
-    return min(frame_distance(first, turned) for turned in frame_alternatives(second))
+def _apart(one: Frame, other: Frame) -> float:
+    """Return how far two frames are from each other, in the nearest turn of the other."""
+    return min(frame_distance(one, turned) for turned in frame_alternatives(other))
 
 
 def _low_pass(amount: float) -> Callable[[FloatArray], FloatArray]:
