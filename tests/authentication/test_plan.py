@@ -268,3 +268,14 @@ def test_precision_is_that_of_the_file_and_of_benign_exports() -> None:
     assert far[-1].remark is not None
     with pytest.raises(InputError, match="strict, default, tolerant"):
         precision_of(mesh, "loose")
+
+
+def test_marks_too_sparse_for_a_reader_are_refused():
+    (fine, fine_faces), (coarse, coarse_faces) = pebble(130), pebble(18)
+    alone = Mesh(coarse, coarse_faces)
+    beside = Mesh(
+        np.concatenate([coarse, 0.05 * fine + 9.0]), np.concatenate([coarse_faces, fine_faces + len(coarse)])
+    )
+    assert 40 <= len(plan(weld(alone), KEY, 2e-5).marks) < 84
+    with pytest.raises(CapacityError, match="needs 85"):  # 1 % of the points of both
+        plan(weld(beside), KEY, 2e-5)

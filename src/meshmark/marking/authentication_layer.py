@@ -14,20 +14,19 @@ from meshmark.authentication.marks.planning import Planned, plans
 from meshmark.coding.keys import Key
 from meshmark.errors import CapacityError
 from meshmark.geometry.surface_of import surface_of
-from meshmark.marking.bearing_plan import bearing, planned_marks
+from meshmark.marking.bearing_plan import Borne, bearing, planned_marks
 from meshmark.marking.embedding_result import AuthenticationMark
 from meshmark.marking.mark_request import MarkRequest
 from meshmark.marking.parts_telling import with_parts_telling
 from meshmark.marking.promises import broken_by
-from meshmark.marking.seen_share import seen_share
-from meshmark.marking.unread_marks import BrokenError, IdLostError, SeenError, UnplacedError, UnreadError
+from meshmark.marking.unread_marks import BrokenError, IdLostError, UnplacedError, UnreadError
+from meshmark.marking.unseen_words import unseen
 from meshmark.marking.verification import authentic
 from meshmark.marking.written_marks import Base, Written, write_marks
 from meshmark.mesh import Mesh
 from meshmark.ownership.extraction import extract, find
 from meshmark.ownership.search.search import Search
 from meshmark.scene.distinct import as_shown, scene_of
-from meshmark.strengths import SHOWN_SHARES
 
 __all__ = ["Authenticated", "with_authentication"]
 
@@ -96,7 +95,7 @@ def with_authentication(base: Base, request: MarkRequest) -> Authenticated:
     CapacityError
         No marks fit; the message says why the last ones do not.
     SeenError
-        The request wants marks that are not seen, and these are.
+        The request wants marks that are not seen, and words of any length are.
     """
     if _may_go_without_payload(base, request):
         ways: tuple[_Wanted, ...] = (_Wanted.TELLING_ID, _Wanted.SMALL, _Wanted.NOT_TELLING_ID)
@@ -153,11 +152,15 @@ def _mended(base: Base, request: MarkRequest, chosen: Planned, *, wary: bool) ->
     """Return the marks of a plan, with others where a few do not bear what is promised: that is seen at once."""
     telling = with_parts_telling(base, request, chosen)
     marks = planned_marks(base, request, telling)
+    remarks: tuple[str, ...] = ()
     if request.unseen:
-        share = seen_share(base.original, marks.written.mesh)
-        if share > SHOWN_SHARES[request.strength]:
-            raise SeenError(share)
-    marks = bearing(base, request, marks)
+        marks, remarks = unseen(base, request, marks)
+    made = _with_mended(base, request, bearing(base, request, marks), wary=wary)
+    return replace(made, remarks=made.remarks + remarks)
+
+
+def _with_mended(base: Base, request: MarkRequest, marks: Borne, *, wary: bool) -> Authenticated:
+    """Return marks, with others near points where an examination finds that they do not bear what is promised."""
     for _ in range(_MENDED):
         try:
             return _bound_or_not(base, request, marks.written, wary=wary)

@@ -209,28 +209,30 @@ def _first_that_fits(below: Owned | None, mesh: Mesh, request: MarkRequest) -> E
     if not request.web_first:
         return _less_seen(below, mesh, request)
     try:
-        made = _within_budget(below, mesh, replace(request, tolerance="web"))
+        made = _told_if_seen(_within_budget(below, mesh, replace(request, tolerance="web")), mesh)
         remark = _PRICE
     except CapacityError as error:
-        made = _within_budget(below, mesh, request)
+        made = _less_seen(below, mesh, request, or_web=False)
         remark = f"exports that round positions to 14 bits, as web pipelines do, break the marks: {error}"
-    return _told_if_seen(replace(made, remarks=(*made.remarks, remark)), mesh)
+    return replace(made, remarks=(*made.remarks, remark))
 
 
-def _less_seen(below: Owned | None, mesh: Mesh, request: MarkRequest) -> Embedding:
-    """Return the layer; where no tolerance is named and its marks are seen those of "web", if they are seen less.
+def _less_seen(below: Owned | None, mesh: Mesh, request: MarkRequest, *, or_web: bool = True) -> Embedding:
+    """Return the layer, of words so short that it is not seen, where no tolerance is named.
 
-    Six decimals are coarse for a model of small numbers, and marks of long words move further to bear them.
+    Six decimals are coarse for a model of small numbers, and marks of long words move further to bear them. or_web:
+    where words of any length are seen those of "web" are taken, if they are seen less.
     """
     if request.tolerance is None:
         try:
             return _within_budget(below, mesh, replace(request, unseen=True))
         except SeenError as error:
             share = error.share
-        with suppress(CapacityError):
-            other = _within_budget(below, mesh, replace(request, tolerance="web"))
-            if seen_share(mesh, other.mesh) < share:
-                return replace(other, remarks=(*other.remarks, _SEEN_LESS.format(share)))
+        if or_web:
+            with suppress(CapacityError):
+                other = _within_budget(below, mesh, replace(request, tolerance="web"))
+                if seen_share(mesh, other.mesh) < share:
+                    return replace(other, remarks=(*other.remarks, _SEEN_LESS.format(share)))
     return _told_if_seen(_within_budget(below, mesh, request), mesh)
 
 

@@ -25,8 +25,8 @@ class MarkRequest:
     id: of so many bits, as `coding.message` counts them. layers: one of `LAYERS`, None for both where they fit.
     tolerance: as in `precisions_of`. optional: the authentication layer may be left out where it does not fit.
     web_first: the tolerance "web" is tried first. unseen: marks of authentication that are seen on more of the
-    surface than `SHOWN_SHARES` are refused. shown: how the model's file shows something else than its surface
-    (`shown_otherwise.packed_deviations`).
+    surface than `SHOWN_SHARES` get shorter words, and are refused where the shortest are seen, too. shown: how the
+    model's file shows something else than its surface (`shown_otherwise.packed_deviations`).
     """
 
     key: Key

@@ -31,7 +31,7 @@ class BrokenError(UnreadError):
 
 
 class SeenError(MeshmarkError):
-    """Marks that must not be seen are, on this share of the surface; others of their tolerance would be, too.
+    """Marks that must not be seen are, on this share of the surface, and those of shorter words would be, too.
 
     No `CapacityError`, after which others of the same tolerance are tried.
     """

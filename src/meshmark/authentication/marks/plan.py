@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
-from math import sqrt
+from math import ceil, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,7 @@ from meshmark.authentication.parameters import (
     FINE,
     PSNR_LEAST,
     PSNR_WANTED,
+    SPARSEST,
     Layout,
     Style,
 )
@@ -156,10 +157,11 @@ def plan(surface: Surface, key: Key, precision: float, choice: int = 0, style: S
                 continue
             chosen = firm_first(surface.connectivity, allowed, firm, chance)
             if rings.rms(chosen, layout) <= most:
-                if chosen.sum() < style.least:
+                least = max(style.least, ceil(SPARSEST * rings.count))
+                if chosen.sum() < least:
                     raise CapacityError(
                         f"the model has room for {int(chosen.sum())} marks of authentication, needs "
-                        f"{style.least}; it has too few points, or too fine ones for the precision of its file"
+                        f"{least}; it has too few points, or too fine ones for the precision of its file"
                     )
                 found = rings.found(chosen, key, layout)
                 first = headers_first(surface, rings, found, layout, key=key, chance=chance)

@@ -50,6 +50,11 @@ class RingRoom:
         parts = [(rings, ring_shapes(surface.points, rings, style)) for rings in groups]
         return RingRoom(points=surface.points, parts=parts, unit=unit)
 
+    @property
+    def count(self) -> int:
+        """Return the number of rings."""
+        return sum(len(group.vertex) for group, _ in self.parts)
+
     @cached_property
     def levels(self) -> FloatArray:
         """Return (p,): how many levels a mark at each point may have, 0 where it may have none."""

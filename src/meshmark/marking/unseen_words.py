@@ -1,0 +1,96 @@
+"""Marks of authentication with words so short that they are not seen, for the precision that longer ones bear."""
+
+from __future__ import annotations
+
+from bisect import bisect_left
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from meshmark.authentication.marks.plan import plan
+from meshmark.authentication.marks.planning import Planned
+from meshmark.authentication.parameters import Layout
+from meshmark.errors import CapacityError
+from meshmark.marking.bearing_plan import Borne, planned_marks
+from meshmark.marking.mark_request import MarkRequest
+from meshmark.marking.parts_telling import with_parts_telling
+from meshmark.marking.seen_share import seen_share
+from meshmark.marking.unread_marks import SeenError
+from meshmark.marking.written_marks import Base
+from meshmark.strengths import SHOWN_SHARES
+
+__all__ = ["unseen"]
+
+# Marks of shorter words are chosen anew and lie elsewhere: of the share that may be seen they are to show so much.
+_ABOUT = 0.5
+
+_SHORT = (
+    "the marks of authentication have short words, and so carry less payload: longer ones would be seen on {:.0%} "
+    "of the surface, as its edges are short beside what rounding does to its numbers"
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Shown:
+    """Marks on a mesh, and how much of its surface shows them if all are moved less.
+
+    Words of fewer bits have fewer levels, and marks move in proportion to their number.
+    """
+
+    base: Base
+    marks: Borne
+
+    def share(self, layout: Layout) -> float:
+        """Return the share of the surface that shows the marks, with words of this layout, about."""
+        written = self.marks.written
+        before, after = self.base.mesh.vertices, written.mesh.vertices
+        less = np.array(layout.radix) / np.array(written.planned.plan.layout.radix)
+        factor = float(np.sqrt((less**2).mean()))
+        return seen_share(self.base.original, written.mesh.with_vertices(before + factor * (after - before)))
+
+
+def unseen(base: Base, request: MarkRequest, marks: Borne) -> tuple[Borne, tuple[str, ...]]:
+    """Return marks that are not seen, with the longest words of which that is so, and remarks about it.
+
+    The same marks where these are not seen.
+
+    Parameters
+    ----------
+    base : Base
+    request : MarkRequest
+    marks : Borne
+
+    Returns
+    -------
+    marks : Borne
+    remarks : tuple of str
+
+    Raises
+    ------
+    SeenError
+        Words of any length are seen.
+    """
+    most = SHOWN_SHARES[request.strength]
+    share = seen_share(base.original, marks.written.mesh)
+    if share <= most:
+        return marks, ()
+    planned = marks.written.planned
+    shown = _Shown(base=base, marks=marks)
+    shorter = [each for each in planned.precision.style.layouts if each.bits < planned.plan.layout.bits]
+    first = bisect_left(shorter, True, key=lambda layout: shown.share(layout) <= _ABOUT * most)
+    if first == len(shorter):
+        raise SeenError(share)
+    try:
+        short = planned_marks(base, request, _with_layouts(base, request, planned, tuple(shorter[first:])))
+    except CapacityError:
+        raise SeenError(share) from None
+    if seen_share(base.original, short.written.mesh) > most:
+        raise SeenError(share)
+    return short, (_SHORT.format(share),)
+
+
+def _with_layouts(base: Base, request: MarkRequest, planned: Planned, layouts: tuple[Layout, ...]) -> Planned:
+    """Return the plan made anew with the first of these layouts that fits."""
+    precision = replace(planned.precision, style=replace(planned.precision.style, layouts=layouts))
+    again = plan(planned.plan.surface, request.key, precision.error, style=precision.style)
+    return with_parts_telling(base, request, replace(planned, plan=again, precision=precision, content=None))
