@@ -12,6 +12,7 @@ from meshmark.mesh import Mesh
 from meshmark.ownership.parameters import LOCK_STEPS, SPACING_TRIES
 from meshmark.ownership.search import search
 from meshmark.ownership.search import unsmoothed as module
+from meshmark.ownership.search.inverse_smoothing import SHAPES, shapes_before
 from meshmark.ownership.search.search import Search
 from meshmark.ownership.search.trials import TrialCounter
 from tests.counting import some
@@ -36,7 +37,7 @@ def test_one_of_the_shapes_is_that_before(text):
     before = Mesh(*pebble(20))
     after = attacked(before, text)
     surface = weld(after)
-    off = [np.abs(points - weld(before).points).max() for points in module._before(surface)]
+    off = [np.abs(points - weld(before).points).max() for points in shapes_before(surface)]
     assert min(off) < 1e-3 * np.abs(surface.points - weld(before).points).max()
 
 
@@ -59,10 +60,9 @@ def test_readings_pay_for_all_that_was_tried(marked):
         trials.charge()
     # Pilots lock in shapes of a few passes more or less as well.
     readings = list(module.unsmoothed_readings(Search(surface=surface, key=KEY, trials=trials)))
-    shapes = sum(len(passes) for passes in module.SMOOTHINGS.values())
     for number, reading in enumerate(some(readings), start=5):
         charge = number * (number + 1)
-        assert reading.hypotheses >= charge * shapes * len(LOCK_STEPS) * SPACING_TRIES
+        assert reading.hypotheses >= charge * SHAPES * len(LOCK_STEPS) * SPACING_TRIES
     assert min(reading.log10_chance for reading in readings) < -15.0
 
 
@@ -71,9 +71,11 @@ def test_of_another_model_nothing_is_yielded():
     assert not list(module.unsmoothed_readings(Search(surface=surface, key=KEY)))
 
 
-def test_shapes_that_got_rough_are_left_out(marked):
-    smoothed = len(list(module._before(weld(attacked(marked, "smoothing_half:6")))))
-    assert len(list(module._before(weld(marked)))) < smoothed
+def test_shapes_that_got_rough_are_left_out(marked, monkeypatch):
+    surface = weld(attacked(marked, "smoothing:5"))
+    assert list(module.unsmoothed_readings(Search(surface=surface, key=KEY)))
+    monkeypatch.setattr(module, "ROUGHEST", 0.5)  # the right shape has more than its smoothed one
+    assert not list(module.unsmoothed_readings(Search(surface=surface, key=KEY)))
 
 
 def test_a_fine_mesh_is_left_to_the_restorations(marked, monkeypatch):

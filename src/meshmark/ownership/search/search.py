@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 
 from meshmark.certificate.certificate import Certificate
 from meshmark.coding.keys import Key
+from meshmark.geometry.areas import face_areas
 from meshmark.geometry.surface import Surface
 from meshmark.mesh import FloatArray, Mesh
 from meshmark.ownership.carriers.lattice import Lattice
@@ -23,6 +24,7 @@ from meshmark.ownership.parameters import (
 )
 from meshmark.ownership.points.parameters import DEAREST_LABEL as DEAREST_AT_POINTS
 from meshmark.ownership.points.parameters import MOST_POINTS
+from meshmark.ownership.search.inverse_smoothing import shapes_before
 from meshmark.ownership.search.trials import TrialCounter
 
 __all__ = ["EFFORTS", "Search"]
@@ -84,6 +86,18 @@ class Search:
     def suits_points(self) -> bool:
         """Return whether an embedding would have left out cells at once, so that points are read first."""
         return self._longest > LONG_EDGES[1] and len(self.surface.points) <= MOST_POINTS
+
+    @cached_property
+    def before_smoothing(self) -> tuple[Surface, ...]:
+        """The surfaces that this may have been before it was smoothed."""
+        return tuple(self.surface.moved(points) for points in shapes_before(self.surface))
+
+    def smoothed_from(self, roughest: float) -> Iterator[Surface]:
+        """Yield those of `before_smoothing` that have less than `roughest` times the area of the surface."""
+        area = face_areas(self.surface.points, self.surface.faces).sum()
+        for before in self.before_smoothing:
+            if face_areas(before.points, before.faces).sum() < roughest * area:
+                yield before
 
     @cached_property
     def _longest(self) -> float:

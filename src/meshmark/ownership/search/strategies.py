@@ -9,6 +9,7 @@ from meshmark.certificate.certificate import Certificate
 from meshmark.late import late_function
 from meshmark.ownership.carriers.reading import Reading
 from meshmark.ownership.parameters import DECODE_LOG10
+from meshmark.ownership.search.inverse_smoothing import MOST_UNSMOOTHED
 from meshmark.ownership.search.search import Search
 
 __all__ = ["STRATEGIES", "Strategy"]
@@ -63,12 +64,22 @@ def _looks_further(search: Search) -> bool:
 
 
 def _undoes_damage(search: Search) -> bool:
-    """Return whether damage to cells is to be undone; marks at points bear none that could be."""
+    """Return whether damage to cells is to be undone; of that to points only smoothing can be."""
     return _looks_further(search) and search.has_cells
 
 
 def _is_coarse(search: Search) -> bool:
     return _undoes_damage(search) and search.is_coarse
+
+
+def _undoes_smoothing_at_points(search: Search) -> bool:
+    """Return whether the points of shapes before a smoothing are to be read: they carry on coarse models only."""
+    reference = search.reference
+    if isinstance(reference, Certificate) and not reference.at_points:
+        return False
+    carry = isinstance(reference, Certificate) or search.suits_points
+    coarse = search.is_coarse if carry else len(search.surface.points) <= MOST_UNSMOOTHED
+    return _looks_further(search) and coarse
 
 
 _POINTS = Strategy(
@@ -123,6 +134,15 @@ STRATEGIES: tuple[Strategy, ...] = (
         readings=late_function("meshmark.ownership.search.unsmoothed", "unsmoothed_readings"),
         applies=_is_coarse,
         cost=10.0,
+    ),
+    Strategy(
+        name="smoothing undone at points",
+        readings=late_function(
+            "meshmark.ownership.search.points_unsmoothed", "readings_of_points_unsmoothed"
+        ),
+        applies=_undoes_smoothing_at_points,
+        cost=10.0,
+        decode_below=DECODE_LOG10,
     ),
     Strategy(
         name="restored",
