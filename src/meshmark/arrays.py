@@ -7,7 +7,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["AnyIntArray", "FloatArray", "IntArray", "rows_of", "sorted_distinct"]
+__all__ = ["AnyIntArray", "FloatArray", "IntArray", "members", "rows_of", "sorted_distinct"]
 
 _Scalar = TypeVar("_Scalar", bound=np.generic)
 _Integer = TypeVar("_Integer", bound=np.integer[Any])
@@ -34,3 +34,10 @@ def sorted_distinct(values: NDArray[_Integer]) -> NDArray[_Integer]:
     first = np.ones(len(values), bool)
     np.not_equal(values[1:], values[:-1], out=first[1:])
     return values[first]
+
+
+def members(counts: IntArray) -> tuple[IntArray, IntArray]:
+    """Return, for groups of the given sizes (g,) one after another, each member's group and place within it."""
+    group = np.repeat(np.arange(len(counts)), counts)
+    place = np.arange(len(group)) - np.repeat(np.cumsum(counts) - counts, counts)
+    return group, place

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from meshmark.geometry.groups import members
+from meshmark.arrays import members
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["places_in_boxes"]

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from meshmark.arrays import members
 from meshmark.errors import InputError
 from meshmark.geometry.blocks import blocks
 from meshmark.geometry.box_tree import BRANCHES, ROUNDING, BoxLevel, box_levels, level_bounds
-from meshmark.geometry.groups import members
 from meshmark.geometry.kd_tree import kd_tree
 from meshmark.geometry.point_triangle import Triangles
 from meshmark.geometry.shared_places import SharedPlaces

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from meshmark.arrays import members
 from meshmark.errors import FormatError
-from meshmark.geometry.groups import members
 from meshmark.mesh import IntArray
 
 __all__ = ["check_indices", "fan_corners", "strip_triangles"]

@@ -19,8 +19,8 @@ from meshmark.marking.fewer_bits import fewer_bits_that_fit
 from meshmark.marking.mark_request import WEB_FORMATS, MarkRequest
 from meshmark.marking.marked_parts import parts_in_words, parts_read
 from meshmark.marking.repeated_mesh import embed_repeated
-from meshmark.marking.seen_share import seen_share
 from meshmark.marking.unread_marks import SeenError
+from meshmark.marking.unseen_words import seen_share
 from meshmark.marking.verification import verify
 from meshmark.marking.written_marks import Base
 from meshmark.mesh import Mesh

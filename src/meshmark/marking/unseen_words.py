@@ -1,4 +1,4 @@
-"""Marks of authentication with words so short that they are not seen, for the precision that longer ones bear."""
+"""How much of a surface shows its marks, and marks of authentication with words so short that they are not seen."""
 
 from __future__ import annotations
 
@@ -11,15 +11,16 @@ from meshmark.authentication.marks.plan import plan
 from meshmark.authentication.marks.planning import Planned
 from meshmark.authentication.parameters import Layout
 from meshmark.errors import CapacityError
+from meshmark.geometry.surface_of import surface_of
 from meshmark.marking.bearing_plan import Borne, planned_marks
 from meshmark.marking.mark_request import MarkRequest
 from meshmark.marking.parts_telling import with_parts_telling
-from meshmark.marking.seen_share import seen_share
 from meshmark.marking.unread_marks import SeenError
 from meshmark.marking.written_marks import Base
+from meshmark.mesh import Mesh
 from meshmark.strengths import SHOWN_SHARES
 
-__all__ = ["unseen"]
+__all__ = ["seen_share", "unseen"]
 
 # Marks of shorter words are chosen anew and lie elsewhere: of the share that may be seen they are to show so much.
 _ABOUT = 0.5
@@ -28,6 +29,12 @@ _SHORT = (
     "the marks of authentication have short words, and so carry less payload: longer ones would be seen on {:.0%} "
     "of the surface, as its edges are short beside what rounding does to its numbers"
 )
+
+
+def seen_share(original: Mesh, marked: Mesh) -> float:
+    """Return the share of the surface, 0 to 1, where the marks of a mesh are visible (`geometry.visibility`)."""
+    surface = surface_of(original)
+    return surface.visible_change.of(marked.vertices[surface.vertex_of_point]).share
 
 
 @dataclass(frozen=True, kw_only=True)

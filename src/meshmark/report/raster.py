@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from meshmark.geometry.groups import members
+from meshmark.arrays import members
 from meshmark.mesh import FloatArray, IntArray
 
 __all__ = ["EMPTY", "rasterise"]

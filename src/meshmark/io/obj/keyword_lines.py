@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from meshmark.arrays import members
 from meshmark.errors import FormatError
-from meshmark.geometry.groups import members
 from meshmark.io.text.numbers import ByteArray, line_number, parse_ints, readable
 from meshmark.io.text.tokens import key, token_blocks
 from meshmark.mesh import IntArray

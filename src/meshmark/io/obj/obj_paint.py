@@ -10,8 +10,8 @@ from pathlib import Path, PurePosixPath
 import numpy as np
 from numpy.typing import NDArray
 
+from meshmark.arrays import members
 from meshmark.errors import FormatError
-from meshmark.geometry.groups import members
 from meshmark.io.colors import to_linear
 from meshmark.io.image_magic import HEAD, is_image
 from meshmark.io.inside import head_inside, read_inside

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import numpy as np
 
+from meshmark.arrays import members
 from meshmark.document import Attributes
 from meshmark.errors import FormatError
-from meshmark.geometry.groups import members
 from meshmark.io.colors import ODD_COLORS, rgba
 from meshmark.io.patch_document import PatchDocument, patch_document
 from meshmark.io.polygons import fan_corners

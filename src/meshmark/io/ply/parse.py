@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
+from meshmark.arrays import members
 from meshmark.document import Deviation
 from meshmark.errors import FormatError
-from meshmark.geometry.groups import members
 from meshmark.io.binary_data import BinaryData
 from meshmark.io.binary_positions import BinaryPositions, binary_positions
 from meshmark.io.patch_document import PatchDocument, patch_document

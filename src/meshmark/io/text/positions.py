@@ -8,8 +8,8 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from meshmark.arrays import members
 from meshmark.errors import FormatError, InputError
-from meshmark.geometry.groups import members
 from meshmark.io.gaps import Gaps
 from meshmark.io.text.number_printing import format_numbers, round_numbers
 from meshmark.io.text.number_style import NumberStyle, detect_style, digits_needed

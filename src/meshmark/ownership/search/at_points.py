@@ -62,7 +62,7 @@ def _swept_readings(
     charge = 0.0
     swept: list[tuple[float, Frame, PointLattice]] = []
     for label in labels:
-        lattice = PointLattice.keyed(search.key, label)
+        lattice = search.point_lattice(label)
         for turned in turns:
             angles = sweep(carried, turned, lattice)
             if len(angles):
@@ -82,7 +82,7 @@ def _readings(
     """Yield the readings of the best choices in any of the turns of the frame of `carried`, under any label."""
     found: list[tuple[PointLock, float]] = []
     for label in labels:
-        lattice = PointLattice.keyed(search.key, label)
+        lattice = search.point_lattice(label)
         for turned in turns:
             charge = search.trials.charge() * CHOICES
             framed = Framed.of(search.surface, carried, turned, lattice)

@@ -17,7 +17,6 @@ from meshmark.ownership.carriers.reading import Reading
 from meshmark.ownership.points.carried_coordinates import Carried
 from meshmark.ownership.points.parameters import SHARES, STEPS, SURELY_SKEW
 from meshmark.ownership.points.point_choice import Choice
-from meshmark.ownership.points.point_lattice import PointLattice
 from meshmark.ownership.points.point_reading import CHOICES, Framed
 from meshmark.ownership.search.at_points import readings_of_points
 from meshmark.ownership.search.inverse_smoothing import SHAPES
@@ -44,7 +43,7 @@ def readings_of_points_unsmoothed(search: Search) -> Iterator[Reading]:
 def _may_lock(search: Search, surface: Surface) -> bool:
     """Return whether the points of a surface say more under the likeliest label than by chance."""
     label = search.labels(surface.invariants, at_points=True)[0]
-    lattice = PointLattice.keyed(search.key, label)
+    lattice = search.point_lattice(label)
     turns = list(frame_alternatives(surface.frame, True, SURELY_SKEW))
     carried = Carried.of(surface, surface.frame)
     limit = np.log10(BELIEVED / (SHAPES * CHOICES * len(turns)))

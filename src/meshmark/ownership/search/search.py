@@ -24,6 +24,7 @@ from meshmark.ownership.parameters import (
 )
 from meshmark.ownership.points.parameters import DEAREST_LABEL as DEAREST_AT_POINTS
 from meshmark.ownership.points.parameters import MOST_POINTS
+from meshmark.ownership.points.point_lattice import PointLattice
 from meshmark.ownership.search.inverse_smoothing import shapes_before
 from meshmark.ownership.search.trials import TrialCounter
 
@@ -106,6 +107,10 @@ class Search:
         return self.surface.mean_face_length / (preferred_spacings(frame.area)[0] * frame.scale)
 
     @cached_property
+    def _point_lattices(self) -> dict[Label, PointLattice]:
+        return {}
+
+    @cached_property
     def _lattices(self) -> dict[tuple[float, Label], Lattice]:
         return {}
 
@@ -130,6 +135,12 @@ class Search:
         if name not in self._lattices:
             self._lattices[name] = Lattice.keyed(self.key, spacing, label)
         return self._lattices[name]
+
+    def point_lattice(self, label: Label) -> PointLattice:
+        """Return the key's cubes of points of this label, one for the whole search."""
+        if label not in self._point_lattices:
+            self._point_lattices[label] = PointLattice.keyed(self.key, label)
+        return self._point_lattices[label]
 
     def spacings_for(self, area: float) -> Iterable[float]:
         """Return the spacings to read on a surface of this canonical area, likeliest first."""

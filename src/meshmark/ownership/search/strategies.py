@@ -102,7 +102,7 @@ STRATEGIES: tuple[Strategy, ...] = (
     replace(_POINTS, name="points after cells", applies=_suits_cells),
     Strategy(
         name="copies of one mesh once",
-        readings=late_function("meshmark.ownership.search.copies_once", "readings_of_copies"),
+        readings=late_function("meshmark.ownership.search.other_surfaces", "readings_of_copies"),
         applies=_always,
         cost=10.0,
         decode_below=DECODE_LOG10,
@@ -124,7 +124,7 @@ STRATEGIES: tuple[Strategy, ...] = (
     ),
     Strategy(
         name="mirrored",
-        readings=late_function("meshmark.ownership.search.mirrored", "mirrored_readings"),
+        readings=late_function("meshmark.ownership.search.other_surfaces", "mirrored_readings"),
         applies=_looks_further,
         cost=1.0,
         decode_below=DECODE_LOG10,

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from meshmark.geometry.groups import members
+from meshmark.arrays import members
 
 
 @given(st.lists(st.integers(0, 5)))
