@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from meshmark.arrays import rows_of, sorted_distinct
+from meshmark.arrays import members, rows_of, sorted_distinct
 
 VALUES = np.random.default_rng(1).normal(size=(40, 3))
 
@@ -45,3 +47,10 @@ def test_of_none_there_are_no_different_ones():
 def test_numbers_beyond_the_signed_range_stay_in_order():
     values = np.array([2**64 - 1, 5, 2**63, 5], np.uint64)
     assert sorted_distinct(values).tolist() == [5, 2**63, 2**64 - 1]
+
+
+@given(st.lists(st.integers(0, 5)))
+def test_members(sizes: list[int]) -> None:
+    group, place = members(np.array(sizes, dtype=np.int64))
+    pairs = [(row, k) for row, size in enumerate(sizes) for k in range(size)]
+    assert list(zip(group.tolist(), place.tolist(), strict=True)) == pairs

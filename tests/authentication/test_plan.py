@@ -279,3 +279,10 @@ def test_marks_too_sparse_for_a_reader_are_refused():
     assert 40 <= len(plan(weld(alone), KEY, 2e-5).marks) < 84
     with pytest.raises(CapacityError, match="needs 85"):  # 1 % of the points of both
         plan(weld(beside), KEY, 2e-5)
+
+
+def test_of_few_rings_a_reader_looks_at_all(monkeypatch):
+    monkeypatch.setattr("meshmark.authentication.marks.plan.SPARSEST", 1.0)
+    assert len(plan(weld(Mesh(*pebble(40))), KEY, 1e-6).marks) < 820  # of 820 rings
+    with pytest.raises(CapacityError, match="too few points"):
+        plan(weld(Mesh(*pebble(50))), KEY, 1e-6)

@@ -161,8 +161,8 @@ STYLES: Final = (FINE, WEB, SMALL)
 TRIED_IDS: Final = 32
 # Ways to read marks that are tried: ids, levels of the step and layouts.
 WAYS: Final = TRIED_IDS * len(LEVELS) * sum(len(style.layouts) for style in STYLES)
-# Readers find out from a sample of 600 rings how the marks of a model were made: fewer than this share of the rings
-# would not be found in it.
+# Readers find out how marks were made from a sample of 600 rings at least: of more rings than `SMALL_RINGS`, fewer
+# marks than this share would not be found in it.
 SPARSEST: Final = 0.01
 # Marks are there where the chance of as many without the key is below 10 to this.
 MARKED_LOG10: Final = -9.0

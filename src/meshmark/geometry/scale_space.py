@@ -12,8 +12,8 @@ from collections.abc import Callable, Sequence
 from typing import Literal
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebpts1, chebvander
 from numpy.typing import ArrayLike
-from scipy.fft import dct
 from scipy.sparse import csr_array, diags_array
 
 from meshmark.geometry.adjacency import adjacency
@@ -99,9 +99,10 @@ def spectral_filters(
     A frequency is an eigenvalue of I - walk, in [0, 2]: 0 where neighbours agree. `discrete_gaussian` is the
     response exp(-alpha x). Smooth responses need few terms; one recurrence serves all.
     """
-    nodes = np.cos(np.pi * (np.arange(count) + 0.5) / count)
+    nodes = chebpts1(count)
     samples = np.array([response(1.0 - nodes) for response in responses])
-    factors = dct(samples, axis=1) / count  # interpolates at the nodes
+    # Interpolates at the nodes.
+    factors = np.asarray(samples @ chebvander(nodes, count - 1), float) * (2.0 / count)
     factors[:, 0] /= 2.0
     return _chebyshev_sums(walk, values, factors)
 

@@ -212,23 +212,23 @@ def _first_that_fits(below: Owned | None, mesh: Mesh, request: MarkRequest) -> E
         made = _told_if_seen(_within_budget(below, mesh, replace(request, tolerance="web")), mesh)
         remark = _PRICE
     except CapacityError as error:
-        made = _less_seen(below, mesh, request, or_web=False)
+        made = _less_seen(below, mesh, request)
         remark = f"exports that round positions to 14 bits, as web pipelines do, break the marks: {error}"
     return replace(made, remarks=(*made.remarks, remark))
 
 
-def _less_seen(below: Owned | None, mesh: Mesh, request: MarkRequest, *, or_web: bool = True) -> Embedding:
+def _less_seen(below: Owned | None, mesh: Mesh, request: MarkRequest) -> Embedding:
     """Return the layer, of words so short that it is not seen, where no tolerance is named.
 
-    Six decimals are coarse for a model of small numbers, and marks of long words move further to bear them. or_web:
-    where words of any length are seen those of "web" are taken, if they are seen less.
+    Six decimals are coarse for a model of small numbers, and marks of long words move further to bear them. Where
+    words of any length are seen those of "web" are taken, if they are seen less, and were not tried first.
     """
     if request.tolerance is None:
         try:
             return _within_budget(below, mesh, replace(request, unseen=True))
         except SeenError as error:
             share = error.share
-        if or_web:
+        if not request.web_first:
             with suppress(CapacityError):
                 other = _within_budget(below, mesh, replace(request, tolerance="web"))
                 if seen_share(mesh, other.mesh) < share:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_left
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -37,25 +37,6 @@ def seen_share(original: Mesh, marked: Mesh) -> float:
     return surface.visible_change.of(marked.vertices[surface.vertex_of_point]).share
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Shown:
-    """Marks on a mesh, and how much of its surface shows them if all are moved less.
-
-    Words of fewer bits have fewer levels, and marks move in proportion to their number.
-    """
-
-    base: Base
-    marks: Borne
-
-    def share(self, layout: Layout) -> float:
-        """Return the share of the surface that shows the marks, with words of this layout, about."""
-        written = self.marks.written
-        before, after = self.base.mesh.vertices, written.mesh.vertices
-        less = np.array(layout.radix) / np.array(written.planned.plan.layout.radix)
-        factor = float(np.sqrt((less**2).mean()))
-        return seen_share(self.base.original, written.mesh.with_vertices(before + factor * (after - before)))
-
-
 def unseen(base: Base, request: MarkRequest, marks: Borne) -> tuple[Borne, tuple[str, ...]]:
     """Return marks that are not seen, with the longest words of which that is so, and remarks about it.
 
@@ -82,9 +63,8 @@ def unseen(base: Base, request: MarkRequest, marks: Borne) -> tuple[Borne, tuple
     if share <= most:
         return marks, ()
     planned = marks.written.planned
-    shown = _Shown(base=base, marks=marks)
     shorter = [each for each in planned.precision.style.layouts if each.bits < planned.plan.layout.bits]
-    first = bisect_left(shorter, True, key=lambda layout: shown.share(layout) <= _ABOUT * most)
+    first = bisect_left(shorter, True, key=lambda layout: _shown(base, marks, layout) <= _ABOUT * most)
     if first == len(shorter):
         raise SeenError(share)
     try:
@@ -94,6 +74,18 @@ def unseen(base: Base, request: MarkRequest, marks: Borne) -> tuple[Borne, tuple
     if seen_share(base.original, short.written.mesh) > most:
         raise SeenError(share)
     return short, (_SHORT.format(share),)
+
+
+def _shown(base: Base, marks: Borne, layout: Layout) -> float:
+    """Return the share of the surface that would show marks with words of another layout, about.
+
+    Words of fewer bits have fewer levels, and marks move in proportion to their number.
+    """
+    written = marks.written
+    before, after = base.mesh.vertices, written.mesh.vertices
+    less = np.array(layout.radix) / np.array(written.planned.plan.layout.radix)
+    factor = float(np.sqrt((less**2).mean()))
+    return seen_share(base.original, written.mesh.with_vertices(before + factor * (after - before)))
 
 
 def _with_layouts(base: Base, request: MarkRequest, planned: Planned, layouts: tuple[Layout, ...]) -> Planned:

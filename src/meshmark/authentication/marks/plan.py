@@ -23,6 +23,7 @@ from meshmark.authentication.parameters import (
     FINE,
     PSNR_LEAST,
     PSNR_WANTED,
+    SMALL_RINGS,
     SPARSEST,
     Layout,
     Style,
@@ -157,7 +158,8 @@ def plan(surface: Surface, key: Key, precision: float, choice: int = 0, style: S
                 continue
             chosen = firm_first(surface.connectivity, allowed, firm, chance)
             if rings.rms(chosen, layout) <= most:
-                least = max(style.least, ceil(SPARSEST * rings.count))
+                sparsest = ceil(SPARSEST * rings.count) if rings.count > SMALL_RINGS else 0
+                least = max(style.least, sparsest)
                 if chosen.sum() < least:
                     raise CapacityError(
                         f"the model has room for {int(chosen.sum())} marks of authentication, needs "

@@ -18,6 +18,7 @@ __all__ = [
     "MODES",
     "MOMENTS_APART",
     "MOST_POINTS",
+    "MOST_UNSMOOTHED",
     "READABLE",
     "ROOM",
     "SHARES",
@@ -58,6 +59,9 @@ GUARD: Final = 0.25
 LARGEST: Final = {"subtle": 5e-4, "standard": 1.5e-3, "strong": 4e-3}
 # Larger models are neither marked at points nor searched for it: their triangles are short enough for cells.
 MOST_POINTS: Final = 100_000
+# Points of larger models are not read in all shapes from which they may have been smoothed: they rarely carry, and
+# each shape takes as long as the surface.
+MOST_UNSMOOTHED: Final = 5_000
 # A face whose normal turns by more than this cosine was folded over: its points stay where they are.
 LIFTED: Final = 0.7
 # Second moments, shares of their sum, are kept this far apart, or this many RMS budgets times the width of the

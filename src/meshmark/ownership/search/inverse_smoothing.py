@@ -17,7 +17,7 @@ from meshmark.geometry.scale_space import spectral_filters
 from meshmark.geometry.surface import Surface
 from meshmark.mesh import FloatArray
 
-__all__ = ["MOST_UNSMOOTHED", "SHAPES", "shapes_before"]
+__all__ = ["SHAPES", "shapes_before"]
 
 # What may have been done: shares of the way to the neighbours' mean, one after another, and how many times that.
 SMOOTHINGS: Final[dict[tuple[float, ...], tuple[int, ...]]] = {
@@ -32,8 +32,6 @@ TERMS: Final = 300
 
 SHAPES: Final = sum(map(len, SMOOTHINGS.values()))
 """Number of shapes at most."""
-MOST_UNSMOOTHED: Final = 5_000
-"""Points of larger models are not read in all of them: they rarely carry, and each takes as long as the surface."""
 
 
 def shapes_before(surface: Surface) -> Iterator[FloatArray]:

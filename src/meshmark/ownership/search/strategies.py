@@ -9,7 +9,7 @@ from meshmark.certificate.certificate import Certificate
 from meshmark.late import late_function
 from meshmark.ownership.carriers.reading import Reading
 from meshmark.ownership.parameters import DECODE_LOG10
-from meshmark.ownership.search.inverse_smoothing import MOST_UNSMOOTHED
+from meshmark.ownership.points.parameters import MOST_UNSMOOTHED
 from meshmark.ownership.search.search import Search
 
 __all__ = ["STRATEGIES", "Strategy"]
