@@ -18,6 +18,7 @@ from meshmark.authentication.marks.candidates import HEADER, PAYLOAD, PLACE
 from meshmark.authentication.marks.ring_shapes import ring_shapes
 from meshmark.authentication.marks.rings import ordered_rings
 from meshmark.authentication.marks.rings_of import rings_of
+from meshmark.authentication.marks.symbols import is_fine
 from meshmark.authentication.payload.payload import pack
 from meshmark.coding.erasure.erasure_code import ErasureCode
 from meshmark.geometry.weld import weld
@@ -35,8 +36,8 @@ def marked():
 
 
 @pytest.fixture(scope="module")
-def kinds(marked):
-    """Return (p,): what kind of mark holds at each point, -1 where none does."""
+def swept(marked):
+    """Return what the marks say."""
     surface = weld(marked)
     groups = rings_of(surface)
     shapes = [ring_shapes(surface.points, group) for group in groups]
@@ -44,7 +45,13 @@ def kinds(marked):
     assert setting is not None
     swept = sweep(surface.points, list(zip(groups, shapes, strict=True)), setting, KEY, nonce=None)
     assert swept is not None
-    kinds = np.full(len(surface.points), -1)
+    return swept
+
+
+@pytest.fixture(scope="module")
+def kinds(marked, swept):
+    """Return (p,): what kind of mark holds at each point, -1 where none does."""
+    kinds = np.full(len(weld(marked).points), -1)
     kinds[swept.found.vertex[swept.read.holds]] = swept.found.kind[swept.read.holds]
     return kinds
 
@@ -83,13 +90,33 @@ def test_a_payload_symbol_that_was_copied_to_another_cell_is_wrong_there(marked,
         found = check(weld(suspect), KEY)
         own = found.held.take(found.held.vertex == target)
         reading = Reading(key=KEY, nonce=9, symbol_bits=found.symbol_bits, frame=found.frame)
-        expected = Expected(source=source, reading=reading, once=True)
+        expected = Expected(source=source, reading=reading, frame=found.frame, once=True)
         held += len(own.index) > 0
         wrong += len(own.index) > 0 and not expected.agrees(own).any()
-        plain = Expected(source=source, reading=replace(reading, frame=None), once=True)
+        plain = replace(expected, reading=replace(reading, frame=None))
         assert not plain.agrees(found.held).mean() > 0.1, "without the frame no symbol is told"
     assert held >= 10
     assert wrong == held
+
+
+def test_a_mark_that_says_another_place_does_not_hold_though_symbols_are_read_without_the_frame(
+    marked, swept
+):
+    frame = check(weld(marked), KEY).frame
+    assert frame is not None
+    rows = np.flatnonzero(swept.read.holds & (swept.found.kind == PLACE))
+    found, symbol = swept.found.take(rows), swept.read.symbol[rows]
+    bits = check(weld(marked), KEY).symbol_bits
+    coarse = ~is_fine(found.index)
+    reading = Reading(key=KEY, nonce=9, symbol_bits=bits, frame=None)
+    expected = Expected(
+        source=lambda index: np.zeros(len(index), np.uint16), reading=reading, frame=frame, once=True
+    )
+    assert expected.in_place(found, symbol).all()
+    other = symbol ^ (1 << (bits - 1))  # half the model away
+    assert coarse.sum() > 20
+    assert not expected.in_place(found, other)[coarse].any()
+    assert replace(expected, frame=None).in_place(found, other).all()
 
 
 def test_a_mark_that_tells_the_id_is_known_to_be_there_twice(marked, kinds):

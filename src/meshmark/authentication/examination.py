@@ -272,7 +272,7 @@ def _confirmed(
     payload. look: `check` of this surface.
     """
     source, once = ErasureCode(packed, checks.symbol_bits), unpack(packed).whole.once
-    expected = Expected(source=source, reading=reading, once=once)
+    expected = Expected(source=source, reading=reading, frame=checks.frame, once=once)
     held = checks.held.vertex
     right = expected.agrees(checks.held)
     passed = checks.passed.copy()

@@ -75,15 +75,14 @@ class Style:
     pull: the place of a mark is the point less a +-1 sum of its ring, else less the ring's mean: then errors grow
     a third as much, and so does what a neighbour that was moved does to it. unit: the smallest step, in units of
     the largest error of a coordinate. hash_least: fewest steps of a unit of the ring's lengths. tolerance: number
-    of steps over the ring's spread by which a length may be off. firm: how far, over the spread, a turning ring may
-    swing a point. layouts: by their bits, most first. least: fewest marks.
+    of steps over the ring's spread by which a length may be off. layouts: by their bits, most first. least: fewest
+    marks.
     """
 
     pull: bool
     unit: float
     hash_least: float
     tolerance: float
-    firm: float
     layouts: tuple[Layout, ...]
     least: int
 
@@ -126,7 +125,6 @@ FINE: Final = Style(
     unit=2.0 * 4.3 * _SIGMA,
     hash_least=6.0,
     tolerance=1.0,
-    firm=4.0,
     layouts=tuple(
         Layout(bits=bits, check=check)
         for bits, check in {18: 8, 17: 7, 16: 6, 15: 6, 14: 6, 13: 6, 12: 6, 11: 6, 10: 6}.items()
@@ -149,7 +147,6 @@ WEB: Final = Style(
     unit=2.0 * 2.7 * _SIGMA,
     hash_least=10.0,
     tolerance=0.55,
-    firm=1.0,
     layouts=(
         Layout(bits=10, check=6, rise=4, window=2.0),
         Layout(bits=9, check=5, rise=4, window=2.0),

@@ -96,12 +96,14 @@ class Reading:
 class Expected:
     """What a model that was marked says where it is intact.
 
-    source: the payload's symbols by index. reading: how they are read. once: no two of its marks that tell the id
-    have rings that are alike.
+    source: the payload's symbols by index. reading: how they are read. frame: where the model lies, which small
+    models tell, too, whose symbols are read without; None where that is not known. once: no two of its marks that
+    tell the id have rings that are alike.
     """
 
     source: SymbolSource
     reading: Reading
+    frame: ModelFrame | None
     once: bool
 
     def agrees(self, marks: Carried) -> NDArray[np.bool_]:
@@ -113,7 +115,6 @@ class Expected:
 
     def in_place(self, found: Candidates, symbol: IntArray) -> NDArray[np.bool_]:
         """Return (c,): which marks that carry their place, as symbols (c,), lie there; all if it is not known."""
-        frame = self.reading.frame
-        if frame is None or not len(symbol):
+        if self.frame is None or not len(symbol):
             return np.ones(len(symbol), bool)
-        return ~frame.far(evidence_of(found, symbol, self.reading.symbol_bits, frame.error))
+        return ~self.frame.far(evidence_of(found, symbol, self.reading.symbol_bits, self.frame.error))

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshmark.authentication.checks.ring_reading import read_marks
-from meshmark.authentication.marks.candidates import HEADER, Candidates
+from meshmark.authentication.marks.candidates import HEADER, Candidates, places_off
 from meshmark.authentication.marks.symbols import ids_of_votes
 from meshmark.authentication.marks.words import bind, symbols_at
 from meshmark.authentication.parameters import Layout
@@ -37,7 +37,7 @@ def likeliest_id(found: Candidates, key: Key, layout: Layout, most: int) -> tupl
     rest = found.take(found.kind != HEADER)
     if not tried or not len(rest.vertex):
         return None, tried
-    near = np.argsort(np.abs(rest.place - rest.whole).max(axis=1), kind="stable")
+    near = np.argsort(places_off(rest), kind="stable")
     if tried > _MANY:
         ids = ids[marks_of_ids(rest.take(near[:_FIRST]), key, layout, ids) >= _HOLD]
     if len(ids) > _BEST:

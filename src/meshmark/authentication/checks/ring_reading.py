@@ -10,7 +10,14 @@ from numpy.typing import NDArray
 
 from meshmark.arrays import rows_of, sorted_distinct
 from meshmark.authentication.checks.carried import Expected, carried
-from meshmark.authentication.marks.candidates import HEADER, PAYLOAD, PLACE, Beside, Candidates
+from meshmark.authentication.marks.candidates import (
+    HEADER,
+    PAYLOAD,
+    PLACE,
+    Beside,
+    Candidates,
+    places_off,
+)
 from meshmark.authentication.marks.symbols import header_symbols, outvoted
 from meshmark.authentication.marks.words import bind, symbols_at
 from meshmark.authentication.parameters import WAYS, Layout
@@ -32,8 +39,8 @@ _MIX = np.array([0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9, 0x94D049BB133111EB], np
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Read:
-    """What candidates say: symbols (c,), whether a mark holds, how far it is off, and whether it holds only if its
-    ring was not on a boundary when it was made.
+    """What candidates say: symbols (c,), whether a mark holds, how far it is off (`places_off`), and whether it
+    holds only if its ring was not on a boundary when it was made.
     """
 
     symbol: IntArray
@@ -70,9 +77,10 @@ def read_marks(
     payload: the expected symbols, where they have been decoded: a mark that says another one does not hold.
     more: whole places that are read after the others; they need not be made into candidates, which take room.
     """
-    off, of, whole = np.abs(found.place - found.whole).max(axis=1), np.arange(len(found.vertex)), found.whole
+    off, of, whole = places_off(found), np.arange(len(found.vertex)), found.whole
     if more is not None:
-        off = np.concatenate([off, np.abs(found.place[more.row] - more.whole).max(axis=1)])
+        beside = np.abs(found.place[more.row] - more.whole).max(axis=1) / found.swing[more.row]
+        off = np.concatenate([off, beside])
         of, whole = np.concatenate([of, more.row]), np.concatenate([whole, more.whole])
     symbol = np.zeros(len(off), np.int64)
     holds, new_boundary = np.zeros(len(off), bool), np.zeros(len(off), bool)

@@ -25,6 +25,9 @@ from meshmark.mesh import FloatArray
 
 __all__ = ["unread_when_rounded"]
 
+# A mark that swings more may be read after this rounding, but not after another one that changes as much.
+_SWUNG = 2.0
+
 
 def unread_when_rounded(
     plan: Plan, marked: Marked, rounded: FloatArray, key: Key, style: Style
@@ -62,26 +65,29 @@ def unread_when_rounded(
     subkey = key.subkey(PURPOSE)
     held = np.zeros(count, bool)
 
-    def read(found: Candidates) -> tuple[AnyIntArray, FloatArray]:
-        """Return the points of candidates in rings as they were made, and how far off their places they lie."""
-        row = row_of[found.vertex]
-        same = np.flatnonzero(found.name == plan.found.name[row])
-        return found.vertex[same], np.abs(found.place[same] - marked.place[row[same]]).max(axis=1)
+    def read(found: Candidates) -> tuple[AnyIntArray, FloatArray, FloatArray]:
+        """Return the points of candidates in rings as they were made, how far off their places they lie in steps,
+        and by `places_off`.
+        """
+        same = found.name == plan.found.name[row_of[found.vertex]]
+        found = found.take(same & (found.swing <= _SWUNG))
+        steps = np.abs(found.place - marked.place[row_of[found.vertex]]).max(axis=1)
+        return found.vertex, steps, steps / found.swing
 
-    vertex, off = read(joined([plain_candidates(rounded, *part, setting, subkey) for part in parts]))
+    vertex, steps, off = read(joined([plain_candidates(rounded, *part, setting, subkey) for part in parts]))
     # As a sweep does, which tries the next whole places, too, where the file was rounded to few digits.
-    near = off[off < 0.5]
+    near = off[steps < 0.5]
     coarse = len(near) > 0 and float(np.median(near)) > ROUNDED
-    within = min(1.0 - NEAR if coarse else 0.5, window_of(near, plan.layout))
-    held[vertex[off <= within]] = True
+    farthest, window = 1.0 - NEAR if coarse else 0.5, window_of(near, plan.layout)
+    held[vertex[(steps <= farthest) & (off <= window)]] = True
     missed = [np.flatnonzero(~held[group.vertex]) for group, _ in parts]
     if any(len(rows) for rows in missed):
         rest = [
             all_candidates(rounded, group.take(rows), shape.take(rows), setting, subkey)
             for (group, shape), rows in zip(parts, missed, strict=True)
         ]
-        vertex, off = read(joined(rest))
-        held[vertex[off <= within]] = True
+        vertex, steps, off = read(joined(rest))
+        held[vertex[(steps <= farthest) & (off <= window)]] = True
     unread = np.zeros(count, bool)
     left = ~vouched(parts, held)
     for group in rings:

@@ -16,6 +16,7 @@ from meshmark.authentication.marks.candidates import (
     joined,
     level_of,
     placed,
+    places_off,
 )
 from meshmark.authentication.marks.ring_shapes import RingShapes, in_style, ring_shapes
 from meshmark.authentication.marks.ring_ways import Ways, ways
@@ -181,7 +182,7 @@ def _best(tried: _Tried, style: Style, key: Key, nonce: int | None) -> Setting |
         found, size = found.take(some), size[some]
     bound = bind(found, key, nonce)
     order = np.argsort(size)
-    off = np.abs(found.place - found.whole).max(axis=1)
+    off = places_off(found)
     best: Setting | None = None
     for layout in style.layouts:
         _, holds = symbols_at(found.whole, found.boundary, bound, layout)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshmark.arrays import rows_of
-from meshmark.authentication.marks.ring_shapes import RingShapes, frames, spreads_from
+from meshmark.authentication.marks.ring_shapes import RingShapes, frames, spreads_from, swings
 from meshmark.authentication.marks.ring_ways import (
     HEADER,
     PAYLOAD,
@@ -42,7 +42,7 @@ from meshmark.mesh import FloatArray, IntArray
 
 __all__ = [
     "HEADER", "PAYLOAD", "PLACE", "Beside", "Candidates", "as_laid_out", "beside", "candidates", "eligible",
-    "joined", "level_of", "placed", "room", "with_beside",
+    "joined", "level_of", "placed", "places_off", "room", "with_beside",
 ]  # fmt: skip
 
 _TINY: Final = 1e-300
@@ -54,11 +54,12 @@ BINDING: Final = slice(3, 7)
 class Candidates:
     """c candidates.
 
-    ring: (c,) the rows of the rings; vertex: (c,) their middle points. centre: (c, 3) the mean of the ring. kind:
-    (c,) HEADER, PLACE or PAYLOAD; index: (c,) uint32 of the symbol. name: (c,) uint64 of the ring, the first of its
-    keyed numbers; words: (c, 4) uint64, those that the symbol is bound by. place: (c, 3) of the point in its ring,
-    in steps, less the dither: a mark has whole numbers here; whole: (c, 3) those that are tried. boundary: (c,) a
-    bit for each neighbour that is on a boundary, in the ring's order.
+    ring: (c,) the rows of the rings; vertex: (c,) their middle points. centre: (c, 3) the mean of the ring.
+    kind: (c,) HEADER, PLACE or PAYLOAD; index: (c,) uint32 of the symbol. name: (c,) uint64 of the ring, the
+    first of its keyed numbers; words: (c, 4) uint64, those that the symbol is bound by. place: (c, 3) of the
+    point in its ring, in steps, less the dither: a mark has whole numbers here; whole: (c, 3) those that are
+    tried. swing: (c,) how many times as far as others errors of its ring move it (`swings`), at least 1.
+    boundary: (c,) a bit for each neighbour that is on a boundary, in the ring's order.
     """
 
     ring: NDArray[np.int32]
@@ -70,6 +71,7 @@ class Candidates:
     words: NDArray[np.uint64]
     place: FloatArray
     whole: IntArray
+    swing: FloatArray
     boundary: NDArray[np.int32]
 
     def take(self, rows: IntArray | NDArray[np.bool_]) -> Candidates:
@@ -121,6 +123,11 @@ def with_beside(found: Candidates, more: Beside) -> Candidates:
     """Return the candidates, and after them the same with the next whole numbers."""
     rows = np.concatenate([np.arange(len(found.vertex)), more.row])
     return replace(found.take(rows), whole=np.concatenate([found.whole, more.whole]))
+
+
+def places_off(found: Candidates) -> FloatArray:
+    """Return (c,) how far the places of candidates are off those tried, in steps, over what makes them swing."""
+    return np.asarray(np.abs(found.place - found.whole).max(axis=1) / found.swing)
 
 
 def level_of(shapes: RingShapes, unit: float) -> FloatArray:
@@ -205,6 +212,7 @@ def placed(points: FloatArray, found: Ways) -> Candidates:
         words=words[:, BINDING],
         place=place,
         whole=np.round(place).astype(np.int64),
+        swing=np.maximum(swings(shapes, row, vertex), 1.0),
         boundary=boundary.astype(np.int32),
     )
 

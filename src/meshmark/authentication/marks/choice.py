@@ -2,61 +2,100 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from meshmark.authentication.marks.candidates import HEADER, Candidates
 from meshmark.authentication.marks.independent_points import independent_points
-from meshmark.authentication.marks.ring_shapes import RingShapes
+from meshmark.authentication.marks.ring_shapes import RingShapes, swings
 from meshmark.authentication.marks.rings import Rings
 from meshmark.geometry.connectivity import Connectivity
 from meshmark.mesh import FloatArray, IntArray
 
-__all__ = ["alike", "completed", "firm_first", "firm_points"]
+__all__ = ["alike", "completed", "firm_points"]
+
+# Largest swing (`swings`) of a point whose mark is firm.
+_SWUNG = 1.0
+# Points with so few neighbours whose marks are firm get one of those first.
+_SCARCE = (1, 2)
+# How often they are chosen anew.
+_TIMES = 4
 
 
 def firm_points(points: FloatArray, parts: Iterable[tuple[Rings, RingShapes]]) -> NDArray[np.bool_]:
-    """Return (p,): the points that do not lie so far from the middle of a needle ring that its turning moves them.
+    """Return (p,): the points that do not lie so far from the middle of a ring that its turning moves them.
 
     Such carry marks only where no other can. What else an error does to a mark's place depends on the ring alone
     (`RingShapes.spread`).
     """
     firm = np.ones(len(points), bool)
     for group, shape in parts:
-        far = np.linalg.norm(points[group.vertex] - shape.centre, axis=1)
-        firm[group.vertex] = far * shape.sway <= shape.style.firm * shape.spread * shape.size
+        firm[group.vertex] = swings(shape, np.arange(len(group.vertex)), group.vertex) <= _SWUNG
     return firm
-
-
-def firm_first(
-    connectivity: Connectivity, allowed: NDArray[np.bool_], firm: NDArray[np.bool_], chance: FloatArray
-) -> NDArray[np.bool_]:
-    """Return (p,): a maximal set of `allowed` (p,) points without neighbours in it, `firm` (p,) ones first."""
-    chosen = independent_points(connectivity.edges, allowed & firm, chance)
-    if (allowed & ~firm).any():
-        chosen = completed(connectivity, chosen, allowed, allowed, chance)
-    return chosen
 
 
 def completed(
     connectivity: Connectivity,
     chosen: NDArray[np.bool_],
     allowed: NDArray[np.bool_],
-    first: NDArray[np.bool_],
+    first: Sequence[NDArray[np.bool_]],
     chance: FloatArray,
 ) -> NDArray[np.bool_]:
     """Return (p,): the `chosen` points, which are no neighbours, and more until the set is maximal.
 
-    Those of the `allowed` (p,) that are among the `first` (p,) come before the others.
+    first: of the `allowed` (p,) points, those that come before the others, in one or more lists (p,), best first.
+    The very first are those next to one of the others, which then needs no mark itself.
     """
-    for some in (first, allowed):
-        free = allowed & some & ~chosen
-        free[free] = ~((connectivity.graph @ chosen.astype(np.float64))[free] > 0.0)
-        if free.any():
-            chosen = chosen | independent_points(connectivity.edges, free, chance)
+    chosen = _beside(connectivity, chosen, allowed & first[0], allowed & ~first[-1], chance)
+    for some in (*first, allowed):
+        chosen = _more(connectivity, chosen, allowed & some, chance)
     return chosen
+
+
+def _beside(
+    connectivity: Connectivity,
+    chosen: NDArray[np.bool_],
+    able: NDArray[np.bool_],
+    others: NDArray[np.bool_],
+    chance: FloatArray,
+) -> NDArray[np.bool_]:
+    """Return the chosen points and some that are able, so that most others, all (p,), have one as a neighbour.
+
+    Of those that are able the ones with the fewest able neighbours, which they would rule out, come first. Others
+    that were left without one have their turn first the next time.
+    """
+    options = connectivity.graph @ able.astype(np.float64)
+    others = others & (options > 0.0)
+    urgent, best, fewest = np.zeros_like(others), chosen, int(others.sum())
+    for _ in range(_TIMES):
+        if not fewest:
+            break
+        tried = chosen
+        for some in (urgent, *(others & (options <= most) for most in _SCARCE), others):
+            beside = able & _near(connectivity, some & ~_near(connectivity, tried))
+            ruled_out = connectivity.graph @ beside.astype(np.float64)
+            tried = _more(connectivity, tried, beside, ruled_out + chance)
+        left = others & ~_near(connectivity, tried)
+        if left.sum() < fewest:
+            best, fewest = tried, int(left.sum())
+        urgent |= left
+    return best
+
+
+def _more(
+    connectivity: Connectivity, chosen: NDArray[np.bool_], allowed: NDArray[np.bool_], chance: FloatArray
+) -> NDArray[np.bool_]:
+    """Return the chosen points and as many of the allowed ones, all (p,), as leaves no two neighbours."""
+    free = allowed & ~chosen
+    if free.any():
+        free[free] = ~_near(connectivity, chosen)[free]
+    return chosen | independent_points(connectivity.edges, free, chance) if free.any() else chosen
+
+
+def _near(connectivity: Connectivity, some: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    return np.asarray(connectivity.graph @ some.astype(np.float64) > 0.0)
 
 
 def alike(found: Candidates, kept: NDArray[np.bool_] | None = None) -> IntArray:

@@ -86,8 +86,8 @@ def mended(plan: Plan, key: Key, doubts: Doubts, style: Style) -> Plan:
         for most in (*_SCARCE, np.inf):
             alone = wanted & (options <= most) & ~_with_ring(surface, chosen & ~tried)
             some = able & _with_ring(surface, alone)
-            chosen = completed(surface.connectivity, chosen, some, allowed, chance)
-        chosen = completed(surface.connectivity, chosen, allowed, rings.firm & ~tried, chance)
+            chosen = completed(surface.connectivity, chosen, some, (allowed,), chance)
+        chosen = completed(surface.connectivity, chosen, allowed, (rings.firm & ~tried,), chance)
         left = int((wanted & ~_with_ring(surface, chosen & ~tried)).sum())
         if left < fewest:
             best, fewest = chosen, left

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshmark.authentication.marks.candidates import HEADER, PAYLOAD, PLACE, Candidates, joined
-from meshmark.authentication.marks.choice import alike, completed, firm_first
+from meshmark.authentication.marks.choice import alike, completed
 from meshmark.authentication.marks.component_headers import headers_first
 from meshmark.authentication.marks.model_cells import cells_of, masks
 from meshmark.authentication.marks.moved_marks import moved_marks
@@ -156,7 +156,7 @@ def plan(surface: Surface, key: Key, precision: float, choice: int = 0, style: S
             allowed = rings.allowed(layout.levels)
             if allowed.sum() < enough or rings.rms(allowed, layout) * sqrt(_MARK_SHARE) > most:
                 continue
-            chosen = firm_first(surface.connectivity, allowed, firm, chance)
+            chosen = completed(surface.connectivity, np.zeros_like(allowed), allowed, (firm,), chance)
             if rings.rms(chosen, layout) <= most:
                 sparsest = ceil(SPARSEST * rings.count) if rings.count > SMALL_RINGS else 0
                 least = max(style.least, sparsest)
@@ -168,19 +168,19 @@ def plan(surface: Surface, key: Key, precision: float, choice: int = 0, style: S
                 found = rings.found(chosen, key, layout)
                 first = headers_first(surface, rings, found, layout, key=key, chance=chance)
                 if first.any():
-                    chosen = completed(surface.connectivity, first, allowed, firm, chance)
+                    chosen = completed(surface.connectivity, first, allowed, (firm,), chance)
                     found = rings.found(chosen, key, layout)
                 ample = (found.kind == HEADER).sum() >= _AMPLE * pieces_of_id(layout.symbol)
+                unlike = np.ones_like(chosen)
                 for _ in range(_UNALIKE if ample else 0):
                     gone = alike(found, first)
                     if not len(gone):
                         break
                     # Others are taken where they can be for marks of rings that are alike.
-                    firm = firm.copy()
-                    firm[gone] = False
+                    unlike[gone] = False
                     before, chosen = chosen, chosen.copy()
                     chosen[gone] = False
-                    chosen = completed(surface.connectivity, chosen, allowed, firm, chance)
+                    chosen = completed(surface.connectivity, chosen, allowed, (firm & unlike, firm), chance)
                     added = rings.found(chosen & ~before, key, layout)
                     found = joined([found.take(chosen[found.vertex]), added])
                 return Plan(

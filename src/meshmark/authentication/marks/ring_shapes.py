@@ -18,13 +18,15 @@ from meshmark.authentication.parameters import FINE, Style
 from meshmark.geometry.blocks import blocks
 from meshmark.mesh import FloatArray, IntArray
 
-__all__ = ["RingShapes", "frames", "in_style", "ring_shapes", "spreads_from", "starts"]
+__all__ = ["RingShapes", "frames", "in_style", "ring_shapes", "spreads_from", "starts", "swings"]
 
 _TINY = 1e-30
 # Points of marks without pull lie about this far, in ring sizes, from the middle that turns them.
 _LIFT = 0.3
 # Rings whose shapes are made at once: those of a large model would take gigabytes meanwhile.
 _BLOCK = 1 << 16
+# Swings below this, by the distance of the point alone, are not measured more closely.
+_SLIGHT = 0.5
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -150,16 +152,9 @@ def _growth(
     only the point turns, `_LIFT` from it.
     """
     count = offsets.shape[1]
-    axes = frames(offsets, normal)
-    local = np.einsum("rki,rji->rkj", offsets, axes)
-    across = np.roll(local, -1, axis=1) - np.roll(local, 1, axis=1)
+    local = np.einsum("rki,rji->rkj", offsets, frames(offsets, normal))
+    tilt, twist = _turning(local, area)
     second = np.einsum("rki,rkj->rij", local, local)
-    chords = np.einsum("rki,rkj->rij", across, across)
-    whole = np.einsum("rii->r", chords)
-    tilt = (whole[:, None, None] * np.eye(3) - chords) / (4.0 * area**2)[:, None, None]
-    wave = _wave(count)
-    harmonic = np.einsum("rki,k->ri", local, wave)
-    twist = (wave @ wave) / np.maximum(harmonic[:, 0] ** 2, _TINY)
     x, y, n = second[:, 0, 0], second[:, 1, 1], second[:, 2, 2]
     grown = [
         x / count + y * twist + n * tilt[:, 0, 0],
@@ -170,6 +165,52 @@ def _growth(
     if not style.pull:
         return np.asarray(np.sqrt(1.0 + 1.0 / count + (_LIFT * sway) ** 2)), np.asarray(sway)
     return np.asarray(np.sqrt(1.2 + count + np.max(grown, axis=0))), np.asarray(sway)
+
+
+def _turning(local: FloatArray, area: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the variances of how far errors of standard deviation 1 turn the frame of offsets `local` (r, k, 3).
+
+    Of the normal, (r, 3, 3), and of the first axis around it, (r,). area: (r,) of the rings.
+    """
+    across = np.roll(local, -1, axis=1) - np.roll(local, 1, axis=1)
+    chords = np.einsum("rki,rkj->rij", across, across)
+    whole = np.einsum("rii->r", chords)
+    tilt = (whole[:, None, None] * np.eye(3) - chords) / (4.0 * area**2)[:, None, None]
+    wave = _wave(local.shape[1])
+    harmonic = np.einsum("rki,k->ri", local, wave)
+    return tilt, (wave @ wave) / np.maximum(harmonic[:, 0] ** 2, _TINY)
+
+
+def swings(shapes: RingShapes, rows: AnyIntArray, vertex: AnyIntArray) -> FloatArray:
+    """Return how much errors of rings `rows` (n,) move the places of points `vertex` (n,) that lie far from them.
+
+    As standard deviations over the spread, which takes points to lie near the middles of their rings: a frame that
+    errors turn swings a far point the more the farther it lies, and the errors of the size scale its distance.
+    Below `_SLIGHT` an upper bound.
+    """
+    out = shapes.points.take(vertex, axis=0) - shapes.centre.take(rows, axis=0)
+    far = np.sqrt(np.einsum("ri,ri->r", out, out)) / np.maximum(shapes.size.take(rows), _TINY)
+    count, spread = shapes.around.shape[1], shapes.spread.take(rows)
+    swing = far * np.sqrt(1.0 / count + shapes.sway.take(rows) ** 2) / spread
+    some = np.flatnonzero(swing >= _SLIGHT)
+    if not len(some):
+        return np.asarray(swing)
+    rows = rows.take(some)
+    offsets = shapes.offsets(rows)
+    area = 0.5 * _cross(offsets, np.roll(offsets, -1, axis=1)).sum(axis=1)
+    extent = np.maximum(np.sqrt(np.einsum("ri,ri->r", area, area)), _TINY)
+    leading = _rolled(offsets, shapes.distance.take(rows, axis=0).argmax(axis=1))
+    axes = frames(leading, shapes.normal.take(rows, axis=0))
+    tilt, twist = _turning(np.einsum("rki,rji->rkj", leading, axes), extent)
+    place = np.einsum("rij,rj->ri", axes, out.take(some, axis=0)) / shapes.size.take(rows)[:, None]
+    x, y, n = (place**2).T
+    moved = [
+        x / count + y * twist + n * tilt[:, 0, 0],
+        y / count + x * twist + n * tilt[:, 1, 1],
+        n / count + np.einsum("ri,rij,rj->r", place[:, :2], tilt[:, :2, :2], place[:, :2]),
+    ]
+    swing[some] = np.sqrt(np.max(moved, axis=0)) / spread.take(some)
+    return np.asarray(swing)
 
 
 def starts(distance: FloatArray, tolerance: FloatArray) -> tuple[IntArray, IntArray]:

@@ -19,13 +19,13 @@ from meshmark.errors import InputError
 from meshmark.geometry.surface import Surface
 from meshmark.mesh import FloatArray, IntArray, Mesh
 from meshmark.research.ablation.extraction_rules import EXTRACTIONS
+from meshmark.research.schemes.clusters import fuzzy_c_means_regions, k_means_regions
 from meshmark.research.schemes.rivals.adf import Adf
 from meshmark.research.schemes.rivals.host import Host
 from meshmark.research.schemes.rivals.laplace_beltrami import LaplaceBeltrami
 from meshmark.research.schemes.rivals.regional import Regional
 from meshmark.saliency.nc_dgg import saliency
 from meshmark.saliency.salient_points import salient_points
-from meshmark.segmentation.clusters import fuzzy_c_means_regions, k_means_regions
 from meshmark.segmentation.map_segmentation import Regions, choose_seeds, default_regions, map_regions
 
 __all__ = ["EMBEDDINGS", "FULL", "PAPER", "SALIENCY", "SEGMENTATION", "Modules", "region_map"]

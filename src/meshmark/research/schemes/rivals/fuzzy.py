@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from meshmark.mesh import FloatArray
-from meshmark.segmentation.clusters import memberships
+from meshmark.research.schemes.clusters import memberships
 
 __all__ = ["fuzzy_c_means"]
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from meshmark.geometry.areas import vertex_areas
-from meshmark.segmentation.clusters import fuzzy_c_means_regions, k_means_regions, memberships
+from meshmark.research.schemes.clusters import fuzzy_c_means_regions, k_means_regions, memberships
 from meshmark.segmentation.power_diagram import CONDENSED
 from tests.counting import some
 from tests.shapes import pebble
