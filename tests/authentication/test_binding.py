@@ -2,15 +2,17 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import pytest
 
 from meshmark import authenticate, extract, recover, unmark
-from meshmark.certificate.binding import FIELD, bound, mismatch, refuse_edited
+from meshmark.certificate.binding import FIELD, bound, mismatch, refuse_edited, stated_id
 from meshmark.certificate.certificate import Certificate
 from meshmark.certificate.certify import certify
 from meshmark.coding.keys import Key
+from meshmark.coding.message import PRESENCE, SHORT_IDS
 from meshmark.errors import InputError
 from meshmark.marking.undo import sealed
 from meshmark.mesh import Mesh
@@ -67,6 +69,9 @@ EDITS: dict[str, Callable[[dict[str, Any]], object]] = {
     "explains": lambda v: v["landmarks"].update(explains=0.5),
     "undo": lambda v: v["undo"].update(data=swapped(v["undo"]["data"])),
     "no undo": lambda v: v.pop("undo"),
+    "id": lambda v: v[FIELD].update(id=swapped(v[FIELD]["id"])),
+    "no id": lambda v: v[FIELD].pop("id"),
+    "what is no id": lambda v: v[FIELD].update(id=7),
 }
 
 
@@ -110,6 +115,16 @@ def test_another_key_another_id_and_another_binding_are_told_apart(values, tmp_p
         assert mismatch(other, KEY, 7) is not None
 
 
+@pytest.mark.parametrize("identity", [0, 7, (1 << 64) - 1, SHORT_IDS + 3, PRESENCE])
+def test_the_id_is_told_to_who_has_the_key(identity, values, tmp_path):
+    made = bound(loaded(values, tmp_path), KEY, identity)
+    assert stated_id(made, KEY) == identity
+    assert stated_id(made, Key(bytes(32))) is None
+    assert (
+        made.more[FIELD]["id"] != bound(replace(made, faces=made.faces + 1), KEY, identity).more[FIELD]["id"]
+    )
+
+
 def test_a_field_nested_deeper_than_can_be_written_is_refused(values, tmp_path):
     deep: list[Any] = []
     for _ in range(100_000):
@@ -125,4 +140,4 @@ def test_binding_is_random_to_who_has_no_key(values, tmp_path):
     fields = [bound(certificate, key, 7).more[FIELD] for key in (KEY, Key(bytes(32)))]
     fields.append(bound(certify(MESH, 0.3, 0.06, "standard"), KEY, 7).more[FIELD])
     words = [word for field in fields for word in field.values()]
-    assert len(set(words)) == len(words) == 9
+    assert len(set(words)) == len(words) == 12

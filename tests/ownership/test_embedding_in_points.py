@@ -7,15 +7,18 @@ from functools import cache
 import numpy as np
 import pytest
 
+from meshmark.attacks import parse_chain
 from meshmark.coding.keyed import rotation
 from meshmark.errors import CapacityError
 from meshmark.geometry.open_edges import open_edges
 from meshmark.geometry.surface_of import surface_of
 from meshmark.geometry.visibility import VisibleChange
+from meshmark.geometry.weld import weld
 from meshmark.marking import Embedding, embed, extract
 from meshmark.mesh import Mesh
 from meshmark.ownership.embedding_in_points import embed_in_points
 from meshmark.ownership.embedding_task import EmbeddingTask
+from meshmark.ownership.extraction import find
 from meshmark.ownership.points.parameters import DISTINCT_BITS, LARGEST, SIDE, STEPS
 from meshmark.ownership.search.search import Search
 from meshmark.strengths import BUDGETS, VISIBLE_SHARES
@@ -215,6 +218,29 @@ def test_the_certificate_and_the_original_read_the_mark_of_a_part():
     for reference in (certificate, Mesh(*SHAPES["slab"])):
         found = extract(part, KEY, search="plain", reference=reference)
         assert (found.presence, found.id) == ("present", ID)
+
+
+def test_the_certificate_tells_which_id_to_look_for_first():
+    made = marked("frustum")
+    any_id = told = 0
+    for seed in range(3):
+        most_gone = parse_chain("similarity:1+delete_part:0.6")(made.mesh, np.random.default_rng(seed))
+        search = Search(surface=weld(most_gone), key=KEY, effort="plain", reference=made.certificate)
+        any_id += find(search).ids == (ID,)
+        told += extract(most_gone, KEY, reference=made.certificate, search="plain").id == ID
+    assert any_id == 0, "too little for any of 2^64 ids"
+    assert told == 3
+
+
+def test_a_copy_with_another_id_is_not_taken_for_the_certificates():
+    mine, other = marked("box"), embed(Mesh(*SHAPES["box"]), KEY, id=ID + 1, layers="ownership")
+    for part in some((0.1, 0.3, 0.6)):
+        left = parse_chain(f"similarity:1+delete_part:{part}")(other.mesh, np.random.default_rng(0))
+        found = extract(left, KEY, reference=mine.certificate)
+        assert ID not in found.ids
+    whole = extract(other.mesh, KEY, reference=mine.certificate)
+    assert whole.id == ID + 1
+    assert "that of another mark" in whole.advice
 
 
 @pytest.mark.parametrize("kind", ["certificate", "original"])

@@ -15,7 +15,8 @@ the lattice's parameters: neither the surface nor anything of the key. The file 
     corners              of some triangles, canonical, in base64, as the landmarks are
     written              of a model with the id alone: keyed digest of its positions, lock and cells of its lattice
                          (see `authentication.as_written`)
-    binding              keyed digests of all other fields, of the key, and of the id (see `binding`)
+    binding              keyed digests of all other fields, of the key, and of the id, and the id sealed (see
+                         `binding`)
     undo                 sealed data that takes the mark off again (see `undo`)
 
 Fields that a reader does not know are kept as they are, and bound like all others, so later versions of meshmark

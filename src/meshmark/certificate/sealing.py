@@ -23,19 +23,22 @@ _PURPOSE = "undo seal"
 _KEY_BYTES = 64
 
 
-def seal(text: bytes, key: Key) -> bytes:
-    """Return the synthetic initialisation vector, which is also the tag, followed by the cipher text."""
-    return _cipher(key).encrypt(text, None)
+def seal(text: bytes, key: Key, bound_to: bytes = b"") -> bytes:
+    """Return the synthetic initialisation vector, which is also the tag, followed by the cipher text.
+
+    bound_to: what is to be the same when it is opened; another one makes other bytes of the same text.
+    """
+    return _cipher(key).encrypt(text, [bound_to] if bound_to else None)
 
 
-def open_sealed(sealed: bytes, key: Key) -> bytes:
+def open_sealed(sealed: bytes, key: Key, bound_to: bytes = b"") -> bytes:
     """Return the text; raises `InputError` where the bytes were changed or sealed with another key."""
     from cryptography.exceptions import InvalidTag
 
     try:
-        return _cipher(key).decrypt(sealed, None)
+        return _cipher(key).decrypt(sealed, [bound_to] if bound_to else None)
     except InvalidTag:
-        raise InputError("the certificate's undo data was changed or made with another key") from None
+        raise InputError("the certificate's sealed data was changed or made with another key") from None
 
 
 def _cipher(key: Key) -> AESSIV:

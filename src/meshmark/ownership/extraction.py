@@ -6,10 +6,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from time import perf_counter
 
-from meshmark.certificate.binding import mismatch, refuse_edited
+from meshmark.certificate.binding import mismatch, refuse_edited, stated_id
 from meshmark.certificate.certificate import Certificate
 from meshmark.coding.codec import Codec
 from meshmark.coding.keys import Key
+from meshmark.coding.message import bits_of
 from meshmark.errors import InputError
 from meshmark.mesh import Mesh
 from meshmark.ownership.answer import extraction_of
@@ -49,7 +50,7 @@ def extract(
     key : Key
     reference : Certificate or Mesh, optional
         The certificate that was made at embedding, or the unmarked original. The mark is then also read where they
-        say that the suspect lies, which survives crops.
+        say that the suspect lies, which survives crops; and the certificate's id is one of `among`.
     search : str
         "plain" reads the surface as it stands, "quick" also undoes common damage, "wide" also exchanges axes that
         are nearly alike and reads every spacing instead of the first few.
@@ -83,12 +84,18 @@ def extract(
         reference=reference,
         copies=surfaces,
         trials=TrialCounter(time_limit),
-        among=tuple(dict.fromkeys(among)),
+        among=tuple(dict.fromkeys((*among, *_stated(reference, key)))),
     )
     found = find_copies(asked) if copies else find(asked)
     result = extraction_of(found, Codec(key), MODES[type(reference)], perf_counter() - start)
     remark = mismatch(reference, key, result.id) if isinstance(reference, Certificate) else None
     return result if remark is None else replace(result, advice=f"{result.advice} {remark}")
+
+
+def _stated(reference: Certificate | Mesh | None, key: Key) -> tuple[int, ...]:
+    """Return the id that a certificate of this key was made for, where it is one of 64 or 32 bits."""
+    identity = stated_id(reference, key) if isinstance(reference, Certificate) else None
+    return () if identity is None or not bits_of(identity) else (identity,)
 
 
 def checked_request(

@@ -25,6 +25,8 @@ _COVERED = 0.9
 # Points may become one by rounding where they are nearer than this number of errors of a coordinate: 2 sqrt 3, by
 # the errors of both.
 _NEAR = 3.5
+# Plans of more points than this, a gigabyte each, are made again when it is their turn, not kept until then.
+_LARGE = 1_000_000
 # Marks that do not hold are made anew for the error times each of these factors.
 _COARSER = (1.2, 1.45)
 
@@ -66,8 +68,17 @@ def plans(mesh: Mesh, key: Key, tolerance: str | None, *, small: bool = False) -
                 yield _planned(mesh, key, again)
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Waiting:
+    """A plan that may be wanted later: its precision, what share of the points it covers, and itself if kept."""
+
+    precision: Precision
+    covered: float
+    kept: Planned | None
+
+
 def _by_precision(mesh: Mesh, key: Key, precisions: tuple[Precision, ...]) -> Iterator[Planned]:
-    waiting: list[Planned] = []
+    waiting: list[_Waiting] = []
     refusal = CapacityError("no marks of authentication fit, expected more room for payload")
     enough = False
     for precision in precisions:
@@ -79,20 +90,25 @@ def _by_precision(mesh: Mesh, key: Key, precisions: tuple[Precision, ...]) -> It
         room = 8 * capacity(found.plan.payload_marks, found.plan.symbol_bits)
         if room < precision.enough * len(found.plan.surface.points):
             continue
-        waiting.append(found)
-        enough = enough or found.plan.covered >= _COVERED
+        covered = found.plan.covered
+        enough = enough or covered >= _COVERED
+        kept = found if enough or len(found.plan.surface.points) <= _LARGE else None
+        waiting.append(_Waiting(precision=precision, covered=covered, kept=kept))
+        del found, kept
         if enough:
-            yield from _covering(waiting)
+            yield from _covering(mesh, key, waiting)
             waiting = []
-    yield from _covering(waiting)
+    yield from _covering(mesh, key, waiting)
     if not (waiting or enough):
         raise refusal
 
 
-def _covering(waiting: list[Planned]) -> list[Planned]:
-    """Return those that cover nearly as much of the points as the best of them."""
-    most = max((each.plan.covered for each in waiting), default=0.0)
-    return [each for each in waiting if each.plan.covered >= _COVERED * most]
+def _covering(mesh: Mesh, key: Key, waiting: list[_Waiting]) -> Iterator[Planned]:
+    """Yield those that cover nearly as much of the points as the best of them."""
+    most = max((each.covered for each in waiting), default=0.0)
+    for each in waiting:
+        if each.covered >= _COVERED * most:
+            yield each.kept or _planned(mesh, key, each.precision)
 
 
 def _planned(mesh: Mesh, key: Key, precision: Precision) -> Planned:

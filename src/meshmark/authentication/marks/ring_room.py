@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from math import sqrt
@@ -25,10 +26,14 @@ from meshmark.authentication.marks.rings_of import rings_of
 from meshmark.authentication.marks.words import PURPOSE
 from meshmark.authentication.parameters import Layout, Style
 from meshmark.coding.keys import Key
+from meshmark.geometry.blocks import blocks
 from meshmark.geometry.surface import Surface
 from meshmark.mesh import FloatArray
 
 __all__ = ["RingRoom", "covered"]
+
+# Rings that are read at once: those of a large model would take gigabytes meanwhile.
+_BLOCK = 1 << 16
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -81,14 +86,16 @@ class RingRoom:
 
     def found(self, chosen: NDArray[np.bool_], key: Key, layout: Layout) -> Candidates:
         """Return the plain readings of the chosen (p,) points, as marks of a layout."""
-        return as_laid_out(joined([self._plain(part, chosen, key) for part in self.parts]), layout)
+        return as_laid_out(joined(self._plain(chosen, key.subkey(PURPOSE))), layout)
 
-    def _plain(self, part: tuple[Rings, RingShapes], chosen: NDArray[np.bool_], key: Key) -> Candidates:
-        rings, shapes = part
-        rows = np.flatnonzero(chosen[rings.vertex])
-        shapes = shapes.take(rows)
-        level = np.floor(level_of(shapes, self.unit)).astype(np.int64)
-        return candidates(self.points, rings.take(rows), shapes, level, key.subkey(PURPOSE), all_ways=False)
+    def _plain(self, chosen: NDArray[np.bool_], subkey: bytes) -> Iterator[Candidates]:
+        for rings, shapes in self.parts:
+            all_rows = np.flatnonzero(chosen[rings.vertex])
+            for block in blocks(max(len(all_rows), 1), _BLOCK):
+                rows = all_rows[block]
+                some = shapes.take(rows)
+                level = np.floor(level_of(some, self.unit)).astype(np.int64)
+                yield candidates(self.points, rings.take(rows), some, level, subkey, all_ways=False)
 
     def rms(self, chosen: NDArray[np.bool_], layout: Layout) -> float:
         """Return the RMS displacement of all points for marks at `chosen` (p,): each axis uniform in its span."""
