@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from meshmark.authentication.marks import planning
+from meshmark.authentication.marks.plan import plan
 from meshmark.authentication.marks.planning import Planned, plans
 from meshmark.mesh import Mesh
 from tests.counting import some
@@ -14,7 +17,8 @@ from tests.shapes import pebble
 
 
 def test_plans_that_are_made_again_are_those_that_would_have_been_kept(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(planning, "_COVERED", 0.9999)  # no plan covers enough, so all wait for the last
+    # No plan covers enough, so all wait for the last.
+    monkeypatch.setattr(planning, "plan", lambda *given, **named: replace(plan(*given, **named), covered=0.5))
     mesh = Mesh(*pebble(40))
     kept = list(plans(mesh, KEY, None))
     made = planned_times(monkeypatch)
