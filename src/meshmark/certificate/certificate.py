@@ -3,7 +3,7 @@
 It holds landmarks (centres of smooth windows of the surface, with normals and descriptors), the canonical frame and
 the lattice's parameters: neither the surface nor anything of the key. The file is one JSON object:
 
-    format "meshmark certificate", version 4; other versions are refused
+    format "meshmark certificate", version 5; other versions are refused
     vertices, faces      counts of the marked model
     lattice              label of the lattice among those of the key, 32 hexadecimal digits
     spacing, step        of the lattice, in canonical units and in spacings; strength subtle, standard or strong
