@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from meshmark.authentication.checks.checks import check
-from meshmark.authentication.checks.setting_search import likeliest_setting
+from meshmark.authentication.checks.setting_search import any_hold
 from meshmark.authentication.examination import Examination, examine
 from meshmark.authentication.marks.rings_of import rings_of
 from meshmark.authentication.parameters import MARKED_LOG10
@@ -64,14 +64,12 @@ def _has_marks(mesh: Mesh, key: Key, identity: int | None) -> bool:
     """
     surface = marked_surface(mesh)
     signed = identity is not None and bits_of(identity) == ID_BITS
-    rings = rings_of(surface)
-    for nonce in (None, identity) if signed else (None,):
-        setting = likeliest_setting(surface.points, rings, None, key, nonce)
-        if setting is None or setting.log10_chance >= 0.0:
-            continue
-        found = check(surface, key, nonce)
-        if found.speak and found.log10_chance <= MARKED_LOG10:
-            return True
+    own = identity if signed else None
+    for nonce, may in zip((None, own), any_hold(surface.points, rings_of(surface), key, own), strict=True):
+        if may:
+            found = check(surface, key, nonce)
+            if found.speak and found.log10_chance <= MARKED_LOG10:
+                return True
     return False
 
 

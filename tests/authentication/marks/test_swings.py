@@ -10,7 +10,7 @@ from meshmark.authentication.examination import examine
 from meshmark.authentication.marks.plan import mark, plan
 from meshmark.authentication.marks.precision import precision_of
 from meshmark.authentication.marks.ring_room import RingRoom
-from meshmark.authentication.marks.ring_shapes import frames, ring_shapes, swings
+from meshmark.authentication.marks.ring_shapes import frames, ring_shapes
 from meshmark.authentication.marks.rings_of import rings_of
 from meshmark.authentication.parameters import FINE
 from meshmark.coding.keys import Key
@@ -50,7 +50,7 @@ def test_the_swing_of_a_point_is_what_errors_of_its_ring_make_of_it():
     for rings in rings_of(surface):
         shapes = ring_shapes(surface.points, rings)
         rows = np.arange(len(rings.vertex))
-        predicted = swings(shapes, rows, rings.vertex)
+        predicted = shapes.swing
         small = 1e-5 * shapes.size
         places = []
         for _ in range(400):

@@ -37,7 +37,7 @@ from meshmark.coding.keys import Key
 from meshmark.geometry.blocks import blocks
 from meshmark.mesh import FloatArray
 
-__all__ = ["Setting", "all_candidates", "likeliest_setting", "plain_candidates", "plain_ways"]
+__all__ = ["Setting", "all_candidates", "any_hold", "likeliest_setting", "plain_candidates", "plain_ways"]
 
 # Points that are tried with every step; more where only one mark in eleven can be read, without the model's id.
 _SAMPLE, _SAMPLE_BLIND = 600, 2500
@@ -98,22 +98,13 @@ def likeliest_setting(
     """Return the step and layout under which most marks of a sample hold.
 
     shapes: of the rings; without them those of the sample are made, which is all that an unmarked surface needs.
-
-    Steps that suit the surface's size are tried first, all others where they are not clearly right, unless
-    `likely_only`.
+    Steps that suit the surface's size come first, others where these are not clearly right, unless `likely_only`.
     """
     total = sum(len(group.vertex) for group in rings)
-    every = max(total // (_SAMPLE_BLIND if nonce is None else _SAMPLE), 1)
-    sample: list[tuple[Rings, RingShapes]] = []
-    for number, group in enumerate(rings):
-        rows = np.arange(0, len(group.vertex), every)
-        some = group.take(rows)
-        sample.append((some, ring_shapes(points, some) if shapes is None else shapes[number].take(rows)))
-    if not sample:
-        return None
-    middles = np.concatenate([points[group.vertex] for group, _ in sample])
-    diagonal = float(np.linalg.norm(np.ptp(middles, axis=0)))
-    if not diagonal > 0.0:  # a single ring
+    sample = _sample(points, rings, shapes, _SAMPLE_BLIND if nonce is None else _SAMPLE)
+    middles = np.concatenate([points[group.vertex] for group, _ in sample]) if sample else points[:0]
+    diagonal = float(np.linalg.norm(np.ptp(middles, axis=0))) if len(middles) else 0.0
+    if not diagonal > 0.0:  # no ring, or a single one
         return None
     once = [WordsOnce(key.subkey(PURPOSE), len(group.vertex)) for group, _ in sample]
     for style, error, near in _LIKELY:
@@ -133,12 +124,60 @@ def likeliest_setting(
         return None
     every_level = [np.tile(np.array(LEVELS), (len(group.vertex), 1)) for group, _ in sample]
     found = []
-    for styles in ((FINE,) if total > SMALL_RINGS else (FINE, SMALL), (WEB,)):  # the marks of each lie alike
+    for styles in _alike(total):
         styled = [(group, in_style(shape, styles[0])) for group, shape in sample]
         only = HEADER if nonce is None and SMALL not in styles else None
         tried = _tried(points, styled, every_level, once, only)
         found += [best for style in styles if (best := _best(tried, style, key, nonce)) is not None]
     return min(found, key=lambda each: each.log10_chance, default=None)
+
+
+def any_hold(points: FloatArray, rings: list[Rings], key: Key, nonce: int | None) -> tuple[bool, bool]:
+    """Return whether more marks of a sample may hold than luck lets hold, under any step and layout.
+
+    With the nonce that the marks report, and with `nonce`, where there is one. What depends on neither is done
+    once. Where it says no, `likeliest_setting` finds nothing beyond luck either.
+    """
+    total = sum(len(group.vertex) for group in rings)
+    sample = _sample(points, rings, None, _SAMPLE_BLIND)
+    once = [WordsOnce(key.subkey(PURPOSE), len(group.vertex)) for group, _ in sample]
+    every_level = [np.tile(np.array(LEVELS), (len(group.vertex), 1)) for group, _ in sample]
+    blind = known = False
+    for styles in _alike(total) if sample else ():
+        styled = [(group, in_style(shape, styles[0])) for group, shape in sample]
+        small = SMALL in styles
+        tried = _tried(points, styled, every_level, once, None if small else HEADER)
+        blind |= _beyond_luck(tried, styles, key, None)
+        if nonce is not None:
+            if not small:  # a part of the sample is enough
+                apart = max(min(total, _SAMPLE_BLIND) // _SAMPLE, 1)
+                levels = [np.where(np.arange(len(each))[:, None] % apart, -1, each) for each in every_level]
+                tried = _tried(points, styled, levels, once, None)
+            known |= _beyond_luck(tried, styles, key, nonce)
+    return blind, known
+
+
+def _beyond_luck(tried: _Tried, styles: tuple[Style, ...], key: Key, nonce: int | None) -> bool:
+    best = (_best(tried, style, key, nonce) for style in styles)
+    return any(each is not None and each.log10_chance < 0.0 for each in best)
+
+
+def _sample(
+    points: FloatArray, rings: list[Rings], shapes: list[RingShapes] | None, about: int
+) -> list[tuple[Rings, RingShapes]]:
+    """Return about so many of the rings, or all, and their shapes."""
+    every = max(sum(len(group.vertex) for group in rings) // about, 1)
+    sample = []
+    for number, group in enumerate(rings):
+        rows = np.arange(0, len(group.vertex), every)
+        some = group.take(rows)
+        sample.append((some, ring_shapes(points, some) if shapes is None else shapes[number].take(rows)))
+    return sample
+
+
+def _alike(total: int) -> tuple[tuple[Style, ...], ...]:
+    """Return the styles of marks of a surface of so many rings; those of each lie alike."""
+    return (FINE,) if total > SMALL_RINGS else (FINE, SMALL), (WEB,)
 
 
 def _inside(best: Setting, finest: float, near: range) -> bool:
@@ -183,7 +222,7 @@ def _best(tried: _Tried, style: Style, key: Key, nonce: int | None) -> Setting |
     bound = bind(found, key, nonce)
     order = np.argsort(size)
     off = places_off(found)
-    best: Setting | None = None
+    best = None
     for layout in style.layouts:
         _, holds = symbols_at(found.whole, found.boundary, bound, layout)
         held = order[holds[order]]

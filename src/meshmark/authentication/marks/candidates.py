@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshmark.arrays import rows_of
-from meshmark.authentication.marks.ring_shapes import RingShapes, frames, spreads_from, swings
+from meshmark.authentication.marks.ring_shapes import RingShapes, frames, spreads_from
 from meshmark.authentication.marks.ring_ways import (
     HEADER,
     PAYLOAD,
@@ -58,7 +58,7 @@ class Candidates:
     kind: (c,) HEADER, PLACE or PAYLOAD; index: (c,) uint32 of the symbol. name: (c,) uint64 of the ring, the
     first of its keyed numbers; words: (c, 4) uint64, those that the symbol is bound by. place: (c, 3) of the
     point in its ring, in steps, less the dither: a mark has whole numbers here; whole: (c, 3) those that are
-    tried. swing: (c,) how many times as far as others errors of its ring move it (`swings`), at least 1.
+    tried. swing: (c,) how many times as far as others errors of its ring move it (`RingShapes`), at least 1.
     boundary: (c,) a bit for each neighbour that is on a boundary, in the ring's order.
     """
 
@@ -212,7 +212,7 @@ def placed(points: FloatArray, found: Ways) -> Candidates:
         words=words[:, BINDING],
         place=place,
         whole=np.round(place).astype(np.int64),
-        swing=np.maximum(swings(shapes, row, vertex), 1.0),
+        swing=np.maximum(shapes.swing.take(row), 1.0),
         boundary=boundary.astype(np.int32),
     )
 

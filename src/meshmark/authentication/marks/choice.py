@@ -2,38 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from meshmark.authentication.marks.candidates import HEADER, Candidates
 from meshmark.authentication.marks.independent_points import independent_points
-from meshmark.authentication.marks.ring_shapes import RingShapes, swings
-from meshmark.authentication.marks.rings import Rings
 from meshmark.geometry.connectivity import Connectivity
 from meshmark.mesh import FloatArray, IntArray
 
-__all__ = ["alike", "completed", "firm_points"]
+__all__ = ["alike", "completed"]
 
-# Largest swing (`swings`) of a point whose mark is firm.
-_SWUNG = 1.0
 # Points with so few neighbours whose marks are firm get one of those first.
 _SCARCE = (1, 2)
 # How often they are chosen anew.
 _TIMES = 4
-
-
-def firm_points(points: FloatArray, parts: Iterable[tuple[Rings, RingShapes]]) -> NDArray[np.bool_]:
-    """Return (p,): the points that do not lie so far from the middle of a ring that its turning moves them.
-
-    Such carry marks only where no other can. What else an error does to a mark's place depends on the ring alone
-    (`RingShapes.spread`).
-    """
-    firm = np.ones(len(points), bool)
-    for group, shape in parts:
-        firm[group.vertex] = swings(shape, np.arange(len(group.vertex)), group.vertex) <= _SWUNG
-    return firm
 
 
 def completed(

@@ -18,7 +18,6 @@ from meshmark.authentication.marks.candidates import (
     level_of,
     room,
 )
-from meshmark.authentication.marks.choice import firm_points
 from meshmark.authentication.marks.ring_shapes import RingShapes, ring_shapes
 from meshmark.authentication.marks.ring_ways import step_of
 from meshmark.authentication.marks.rings import Rings
@@ -34,6 +33,8 @@ __all__ = ["RingRoom", "covered"]
 
 # Rings that are read at once: those of a large model would take gigabytes meanwhile.
 _BLOCK = 1 << 16
+# Largest swing (`RingShapes`) of a point whose mark is firm.
+_SWUNG = 1.0
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -77,8 +78,15 @@ class RingRoom:
 
     @cached_property
     def firm(self) -> NDArray[np.bool_]:
-        """Return (p,): see `firm_points`."""
-        return firm_points(self.points, self.parts)
+        """Return (p,): the points that do not lie so far from the middle of a ring that its turning moves them.
+
+        Others carry marks only where these cannot. What else an error does to a mark's place depends on the ring
+        alone (`RingShapes.spread`).
+        """
+        firm = np.ones(len(self.points), bool)
+        for group, shape in self.parts:
+            firm[group.vertex] = shape.swing <= _SWUNG
+        return firm
 
     def allowed(self, levels: int) -> NDArray[np.bool_]:
         """Return (p,): the points that have room for marks of this number of levels."""

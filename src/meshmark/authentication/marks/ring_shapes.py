@@ -18,15 +18,13 @@ from meshmark.authentication.parameters import FINE, Style
 from meshmark.geometry.blocks import blocks
 from meshmark.mesh import FloatArray, IntArray
 
-__all__ = ["RingShapes", "frames", "in_style", "ring_shapes", "spreads_from", "starts", "swings"]
+__all__ = ["RingShapes", "frames", "in_style", "ring_shapes", "spreads_from", "starts"]
 
 _TINY = 1e-30
 # Points of marks without pull lie about this far, in ring sizes, from the middle that turns them.
 _LIFT = 0.3
 # Rings whose shapes are made at once: those of a large model would take gigabytes meanwhile.
 _BLOCK = 1 << 16
-# Swings below this, by the distance of the point alone, are not measured more closely.
-_SLIGHT = 0.5
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -39,7 +37,8 @@ class RingShapes:
     from each neighbour to the next. spread: (r,) how much an error of one coordinate of every neighbour and of
     the middle point grows in the point's place in the ring, a factor of standard deviations. sway: (r,) how much
     such an error turns the ring's frame, in radians for an error of one ring size: large where it is a needle.
-    style: of the marks that the spread is that of.
+    swing: (r,) how much the error of the frame moves the place of the middle point itself, over the spread, which
+    takes it to lie near the middle of the ring: the more the farther it lies. style: of the marks of the spread.
     """
 
     points: FloatArray
@@ -51,6 +50,7 @@ class RingShapes:
     chord: FloatArray
     spread: FloatArray
     sway: FloatArray
+    swing: FloatArray
     style: Style = FINE
 
     def take(self, rows: IntArray | NDArray[np.bool_] | slice) -> RingShapes:
@@ -103,7 +103,10 @@ def _shapes(points: FloatArray, rings: Rings, style: Style) -> RingShapes:
     step = following - offsets
     normal = area / np.maximum(extent, _TINY)[:, None]
     leading = _rolled(offsets, distance.argmax(axis=1))
-    spread, sway = _growth(leading, normal, np.maximum(extent, _TINY), style)
+    axes = frames(leading, normal)
+    turning = _Turning.of(np.einsum("rki,rji->rkj", leading, axes), np.maximum(extent, _TINY))
+    spread = turning.spread(style)
+    out = (points.take(rings.vertex, axis=0) - centre) / np.maximum(size, _TINY)[:, None]
     return RingShapes(
         points=points,
         around=rings.around,
@@ -113,7 +116,8 @@ def _shapes(points: FloatArray, rings: Rings, style: Style) -> RingShapes:
         distance=distance,
         chord=np.sqrt(np.einsum("rki,rki->rk", step, step)),
         spread=spread,
-        sway=sway,
+        sway=turning.sway,
+        swing=turning.swing(np.einsum("rij,rj->ri", axes, out)) / spread,
         style=style,
     )
 
@@ -123,7 +127,8 @@ def in_style(shapes: RingShapes, style: Style) -> RingShapes:
     if style is shapes.style:
         return shapes
     found = replace(shapes, style=style)
-    return replace(found, spread=spreads_from(found, shapes.distance.argmax(axis=1)))
+    spread = spreads_from(found, shapes.distance.argmax(axis=1))
+    return replace(found, spread=spread, swing=shapes.swing * shapes.spread / spread)
 
 
 def spreads_from(shapes: RingShapes, start: IntArray) -> FloatArray:
@@ -134,83 +139,72 @@ def spreads_from(shapes: RingShapes, start: IntArray) -> FloatArray:
         area = 0.5 * _cross(offsets, np.roll(offsets, -1, axis=1)).sum(axis=1)
         extent = np.maximum(np.sqrt(np.einsum("ri,ri->r", area, area)), _TINY)
         leading = _rolled(offsets, start[rows])
-        spreads[rows] = _growth(leading, shapes.normal[rows], extent, shapes.style)[0]
+        local = np.einsum("rki,rji->rkj", leading, frames(leading, shapes.normal[rows]))
+        spreads[rows] = _Turning.of(local, extent).spread(shapes.style)
     return spreads
 
 
-def _growth(
-    offsets: FloatArray, normal: FloatArray, area: FloatArray, style: Style
-) -> tuple[FloatArray, FloatArray]:
-    """Return how much errors of standard deviation 1 grow, (r,), to first order, on the axis where they grow most.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Turning:
+    """How errors of standard deviation 1 of all neighbours, in ring sizes, turn the frames of r rings of k.
 
-    And how far they turn the frame, (r,).
-
-    The place in the ring is the point less a sum of the neighbours with weights +-1, turned into the frame and
-    scaled. Errors tilt the normal by that of the area vector, half the sum of error x (next - previous
-    neighbour); they turn the first axis by that of the harmonic, and scale by that of the size. The sum over
-    random signs has the second moments of the offsets. Without pull the sum is the mean, which turns with nothing:
-    only the point turns, `_LIFT` from it.
+    count: k. second: (r, 3, 3) second moments of the neighbours in their frame. tilt: (r, 3, 3) covariance of the
+    normal's error; twist: (r,) variance of how far the first axis turns around it.
     """
-    count = offsets.shape[1]
-    local = np.einsum("rki,rji->rkj", offsets, frames(offsets, normal))
-    tilt, twist = _turning(local, area)
-    second = np.einsum("rki,rkj->rij", local, local)
-    x, y, n = second[:, 0, 0], second[:, 1, 1], second[:, 2, 2]
-    grown = [
-        x / count + y * twist + n * tilt[:, 0, 0],
-        y / count + x * twist + n * tilt[:, 1, 1],
-        n / count + np.einsum("rij,rij->r", second[:, :2, :2], tilt[:, :2, :2]),
-    ]
-    sway = np.sqrt(tilt[:, 0, 0] + tilt[:, 1, 1] + twist)
-    if not style.pull:
-        return np.asarray(np.sqrt(1.0 + 1.0 / count + (_LIFT * sway) ** 2)), np.asarray(sway)
-    return np.asarray(np.sqrt(1.2 + count + np.max(grown, axis=0))), np.asarray(sway)
 
+    count: int
+    second: FloatArray
+    tilt: FloatArray
+    twist: FloatArray
 
-def _turning(local: FloatArray, area: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the variances of how far errors of standard deviation 1 turn the frame of offsets `local` (r, k, 3).
+    @classmethod
+    def of(cls, local: FloatArray, area: FloatArray) -> _Turning:
+        """Return that of offsets `local` (r, k, 3) in their frames; area: (r,) of the rings, above 0.
 
-    Of the normal, (r, 3, 3), and of the first axis around it, (r,). area: (r,) of the rings.
-    """
-    across = np.roll(local, -1, axis=1) - np.roll(local, 1, axis=1)
-    chords = np.einsum("rki,rkj->rij", across, across)
-    whole = np.einsum("rii->r", chords)
-    tilt = (whole[:, None, None] * np.eye(3) - chords) / (4.0 * area**2)[:, None, None]
-    wave = _wave(local.shape[1])
-    harmonic = np.einsum("rki,k->ri", local, wave)
-    return tilt, (wave @ wave) / np.maximum(harmonic[:, 0] ** 2, _TINY)
+        Errors tilt the normal by that of the area vector, half the sum of error x (next - previous neighbour); they
+        turn the first axis by that of the harmonic.
+        """
+        across = np.roll(local, -1, axis=1) - np.roll(local, 1, axis=1)
+        chords = np.einsum("rki,rkj->rij", across, across)
+        whole = np.einsum("rii->r", chords)
+        wave = _wave(local.shape[1])
+        harmonic = np.einsum("rki,k->ri", local, wave)
+        return cls(
+            count=local.shape[1],
+            second=np.einsum("rki,rkj->rij", local, local),
+            tilt=(whole[:, None, None] * np.eye(3) - chords) / (4.0 * area**2)[:, None, None],
+            twist=(wave @ wave) / np.maximum(harmonic[:, 0] ** 2, _TINY),
+        )
 
+    @property
+    def sway(self) -> FloatArray:
+        """Return (r,): how far the frame turns in all."""
+        return np.asarray(np.sqrt(self.tilt[:, 0, 0] + self.tilt[:, 1, 1] + self.twist))
 
-def swings(shapes: RingShapes, rows: AnyIntArray, vertex: AnyIntArray) -> FloatArray:
-    """Return how much errors of rings `rows` (n,) move the places of points `vertex` (n,) that lie far from them.
+    def spread(self, style: Style) -> FloatArray:
+        """Return (r,): how much errors grow in the place of a mark, to first order, on the axis where most.
 
-    As standard deviations over the spread, which takes points to lie near the middles of their rings: a frame that
-    errors turn swings a far point the more the farther it lies, and the errors of the size scale its distance.
-    Below `_SLIGHT` an upper bound.
-    """
-    out = shapes.points.take(vertex, axis=0) - shapes.centre.take(rows, axis=0)
-    far = np.sqrt(np.einsum("ri,ri->r", out, out)) / np.maximum(shapes.size.take(rows), _TINY)
-    count, spread = shapes.around.shape[1], shapes.spread.take(rows)
-    swing = far * np.sqrt(1.0 / count + shapes.sway.take(rows) ** 2) / spread
-    some = np.flatnonzero(swing >= _SLIGHT)
-    if not len(some):
-        return np.asarray(swing)
-    rows = rows.take(some)
-    offsets = shapes.offsets(rows)
-    area = 0.5 * _cross(offsets, np.roll(offsets, -1, axis=1)).sum(axis=1)
-    extent = np.maximum(np.sqrt(np.einsum("ri,ri->r", area, area)), _TINY)
-    leading = _rolled(offsets, shapes.distance.take(rows, axis=0).argmax(axis=1))
-    axes = frames(leading, shapes.normal.take(rows, axis=0))
-    tilt, twist = _turning(np.einsum("rki,rji->rkj", leading, axes), extent)
-    place = np.einsum("rij,rj->ri", axes, out.take(some, axis=0)) / shapes.size.take(rows)[:, None]
-    x, y, n = (place**2).T
-    moved = [
-        x / count + y * twist + n * tilt[:, 0, 0],
-        y / count + x * twist + n * tilt[:, 1, 1],
-        n / count + np.einsum("ri,rij,rj->r", place[:, :2], tilt[:, :2, :2], place[:, :2]),
-    ]
-    swing[some] = np.sqrt(np.max(moved, axis=0)) / spread.take(some)
-    return np.asarray(swing)
+        The place in the ring is the point less a sum of the neighbours with weights +-1, turned into the frame and
+        scaled. The sum over random signs has the second moments of the offsets. Without pull the sum is the mean,
+        which turns with nothing: only the point turns, `_LIFT` from it.
+        """
+        if not style.pull:
+            return np.asarray(np.sqrt(1.0 + 1.0 / self.count + (_LIFT * self.sway) ** 2))
+        return np.asarray(np.sqrt(1.2 + self.count + self._moved(self.second)))
+
+    def swing(self, place: FloatArray) -> FloatArray:
+        """Return (r,): how far the frame moves points at places (r, 3) in it, on the axis where most."""
+        return np.asarray(np.sqrt(self._moved(place[:, :, None] * place[:, None, :])))
+
+    def _moved(self, second: FloatArray) -> FloatArray:
+        """Return variances (r,) of what has second moments (r, 3, 3), as errors turn and scale the frame."""
+        x, y, n = second[:, 0, 0], second[:, 1, 1], second[:, 2, 2]
+        moved = [
+            x / self.count + y * self.twist + n * self.tilt[:, 0, 0],
+            y / self.count + x * self.twist + n * self.tilt[:, 1, 1],
+            n / self.count + np.einsum("rij,rij->r", second[:, :2, :2], self.tilt[:, :2, :2]),
+        ]
+        return np.asarray(np.max(moved, axis=0))
 
 
 def starts(distance: FloatArray, tolerance: FloatArray) -> tuple[IntArray, IntArray]:
