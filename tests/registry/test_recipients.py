@@ -39,7 +39,7 @@ def test_a_table_of_a_spreadsheet_is_read(tmp_path):
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        (b"name\nAnn\n", "has no column 'recipient', expected CSV with the names of all in one"),
+        (b"name\nAnn\n", "has no column 'recipient', expected a CSV file whose first line names the columns"),
         (b"", "has no column 'recipient'"),
         (b"recipient\n", "names no recipients, expected one a line"),
         (b"recipient\nAnn\nBob\nAnn \n", "line 4: 'Ann' is in line 2 already"),

@@ -53,7 +53,8 @@ def read_recipients(path: Path) -> list[Recipient]:
     rows = csv.DictReader(io.StringIO(text, newline=""))
     if COLUMN not in (rows.fieldnames or ()):
         raise InputError(
-            f"{path} has no column '{COLUMN}', expected CSV with the names of all in one", file=path
+            f"{path} has no column '{COLUMN}', expected a CSV file whose first line names the columns",
+            file=path,
         )
     lines: dict[str, int] = {}
     stems: dict[str, str] = {}
