@@ -1,12 +1,14 @@
-"""Whose copy it is: damaged and averaged copies of the test models against a registry of 10,000 ids.
+"""Whose copy it is: damaged copies of the test models, and copies put together, against a registry of 10,000 ids.
 
-python -m claims.registry_traces [--ids 10000] [--copies 3] [--least 2500] [--beyond] [--minutes M]
+python -m claims.registry_traces [--ids 10000] [--copies 3] [--least 2500] [--together] [--beyond] [--minutes M]
 
 Of each model in ../shared/data/models/test a few copies are made (standard strength) and entered; ids that nobody
-has are spread over all originals. One copy is damaged in each of several ways, then turned, scaled and moved;
-copies are averaged, two and three, given 0.1 % of noise, and turned. Printed, by damage: suspects whose right
-recipients were named (of averages: one, and all), whose original was among the candidates, and that named a wrong
-one; processor time, with --beyond that of `extract` without a registry taken off.
+has are spread over all originals. One copy is damaged in each of several ways, then turned, scaled and moved (not
+with --together). Two, three and five copies, as far as there are so many, are put together: average, median, least
+and largest coordinates, and a mosaic of pieces; then given 0.1 % of noise, turned, and saved as another format.
+Printed, by damage: suspects whose right recipients were named (of several: one, and all), whose original was among
+the candidates, and that named a wrong one; processor time, with --beyond that of `extract` without a registry
+taken off.
 
 Exit 1 where anybody was named wrongly. For docs/decisions/0025-registry.md.
 """
@@ -27,8 +29,10 @@ import numpy as np
 
 import meshmark as mm
 from claims.models import load, model_paths
-from meshmark.attacks import ATTACKS
+from claims.security.collusion import MEANS
+from meshmark.attacks import ATTACKS, parse_chain
 from meshmark.errors import CapacityError, MeshmarkError
+from meshmark.mesh import FloatArray
 from meshmark.registry.database_tables import copies
 from meshmark.registry.entering import original_of_mesh
 from meshmark.registry.recording import recorded
@@ -45,6 +49,9 @@ DAMAGES = {
     "noise 2 %": (("noise", 0.02),),
     "8 bits + smoothing .1 x 30": (("quantisation", 8), ("smoothing", 30)),
 }
+GROUPS = (2, 3, 5)
+AFTERWARDS = parse_chain("noise:0.001+similarity:1+file_glb:1")
+"""What is done to copies once they are put together."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,7 +81,7 @@ def marked(
 
 
 def cases(made: list[tuple[int, mm.Mesh]], name: str, seed: int) -> Iterator[Case]:
-    """Yield what is made of the copies of one model."""
+    """Yield what is made of one copy of a model."""
     turned = ATTACKS["similarity"]
     for damage, steps in DAMAGES.items():
         rng = np.random.default_rng(seed)
@@ -85,12 +92,25 @@ def cases(made: list[tuple[int, mm.Mesh]], name: str, seed: int) -> Iterator[Cas
             yield Case(damage=damage, suspect=turned(suspect, 1, rng), ids=(made[0][0],), original=name)
         except MeshmarkError as error:
             print(f"{name}, {damage}: {error}")
-    for number in range(2, len(made) + 1):
-        rng = np.random.default_rng(seed)
-        mean = np.mean([mesh.vertices for _, mesh in made[:number]], axis=0)
-        average = ATTACKS["noise"](mm.Mesh(mean, made[0][1].faces), 0.001, rng)
-        ids = tuple(each for each, _ in made[:number])
-        yield Case(damage=f"average of {number}", suspect=turned(average, 1, rng), ids=ids, original=name)
+
+
+def together(made: list[tuple[int, mm.Mesh]], name: str, seed: int) -> Iterator[Case]:
+    """Yield what is made of several copies of a model. Of two, the median is the average."""
+    copies, faces = np.stack([mesh.vertices for _, mesh in made]), made[0][1].faces
+    for group in (each for each in GROUPS if each <= len(made)):
+        ids = tuple(each for each, _ in made[:group])
+        for kind, put in {**MEANS, "mosaic": pieces}.items():
+            if group > 2 or kind != "median":
+                mesh = mm.Mesh(put(copies[:group]), faces)
+                suspect = AFTERWARDS(mesh, np.random.default_rng(seed))
+                yield Case(damage=f"{kind} of {group}", suspect=suspect, ids=ids, original=name)
+
+
+def pieces(copies: FloatArray) -> FloatArray:
+    """Return vertices (n, 3) of which each slab across the longest side, as many as copies (k, n, 3), is of one."""
+    axis = int(np.ptp(copies[0], axis=0).argmax())
+    rank = np.argsort(np.argsort(copies[0][:, axis], kind="stable"), kind="stable")
+    return copies[rank * len(copies) // len(rank), np.arange(len(rank))]
 
 
 def fill(registry: Registry, ids: int) -> None:
@@ -127,6 +147,8 @@ def main() -> int:
     parser.add_argument("--least", type=int, default=2500, help="points of a model")
     parser.add_argument("--layers", choices=["ownership", "both"], default="ownership")
     parser.add_argument("--folder", default="models/test")
+    parser.add_argument("--together", action="store_true", help="only copies that are put together")
+    parser.add_argument("--models", type=int, default=10**9, help="so many at most, evenly chosen")
     parser.add_argument("--beyond", action="store_true", help="take off the time of `extract`")
     parser.add_argument("--minutes", type=float, default=float("inf"))
     arguments = parser.parse_args()
@@ -135,7 +157,8 @@ def main() -> int:
     wrongly = 0
     with tempfile.TemporaryDirectory() as folder, Registry.create(Path(folder) / "r.db")[0] as registry:
         found: list[Case] = []
-        for seed, path in enumerate(model_paths(arguments.folder)):
+        paths = list(model_paths(arguments.folder))
+        for seed, path in enumerate(paths[:: -(-len(paths) // arguments.models)]):
             mesh = load(path)
             name = path.name.partition(".")[0]
             if len(mesh.vertices) < arguments.least or time.monotonic() > end:
@@ -146,7 +169,8 @@ def main() -> int:
             except CapacityError as error:
                 print(f"{name}: {error}")
                 continue
-            found += cases(made, name, seed)
+            found += [] if arguments.together else cases(made, name, seed)
+            found += together(made, name, seed)
         fill(registry, arguments.ids)
         for case in found:
             if time.monotonic() > end:
