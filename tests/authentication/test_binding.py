@@ -70,7 +70,6 @@ EDITS: dict[str, Callable[[dict[str, Any]], object]] = {
     "undo": lambda v: v["undo"].update(data=swapped(v["undo"]["data"])),
     "no undo": lambda v: v.pop("undo"),
     "id": lambda v: v[FIELD].update(id=swapped(v[FIELD]["id"])),
-    "no id": lambda v: v[FIELD].pop("id"),
     "what is no id": lambda v: v[FIELD].update(id=7),
 }
 
@@ -123,6 +122,19 @@ def test_the_id_is_told_to_who_has_the_key(identity, values, tmp_path):
     assert (
         made.more[FIELD]["id"] != bound(replace(made, faces=made.faces + 1), KEY, identity).more[FIELD]["id"]
     )
+
+
+def test_a_certificate_of_before_tells_no_id(values, tmp_path):
+    before = edited(lambda v: v[FIELD].pop("id"), values, tmp_path)
+    refuse_edited(before, KEY)
+    assert stated_id(before, KEY) is None
+    assert mismatch(before, KEY, 7) is None
+
+
+def test_the_length_of_a_sealed_id_does_not_tell_its_bits(values, tmp_path):
+    certificate = loaded(values, tmp_path)
+    ids = (7, SHORT_IDS + 3, PRESENCE)
+    assert len({len(bound(certificate, KEY, each).more[FIELD]["id"]) for each in ids}) == 1
 
 
 def test_a_field_nested_deeper_than_can_be_written_is_refused(values, tmp_path):

@@ -212,12 +212,12 @@ def test_info_of_a_certificate_tells_what_is_public(cli, folder, files):
     ran = cli("info", "my.cert", "--json")
     told = only_object(ran.out)
     assert told["kind"] == "meshmark certificate"
-    assert (told["certificate_version"], told["layers"], told["strength"]) == (5, "ownership", "standard")
+    assert (told["certificate_version"], told["layers"], told["strength"]) == (4, "ownership", "standard")
     assert (told["vertices"], told["faces"]) == (files.vertices, files.faces)
     assert told["takes_mark_off"] is True
     assert len(told["model_digest"]) == 16
     assert identity not in ran.out
     assert told["model_digest"] == mm.Certificate.load("my.cert").summary()["model_digest"]
     assert f"{files.vertices:,}" in cli("info", "my.cert").out
-    Path("old.cert").write_text(Path("my.cert").read_text().replace('"version": 5', '"version": 1', 1))
+    Path("old.cert").write_text(Path("my.cert").read_text().replace('"version": 4', '"version": 1', 1))
     assert "certificate of version 1" in cli("info", "old.cert").err

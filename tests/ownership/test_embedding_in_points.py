@@ -220,7 +220,7 @@ def test_the_certificate_and_the_original_read_the_mark_of_a_part():
         assert (found.presence, found.id) == ("present", ID)
 
 
-def test_the_certificate_tells_which_id_to_look_for_first():
+def test_the_certificate_tells_an_id_to_look_for():
     made = marked("frustum")
     any_id = told = 0
     for seed in range(3):

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
+from meshmark.coding.message import PRESENCE
 from meshmark.geometry.surface_of import surface_of
 from meshmark.mesh import Mesh
 from meshmark.ownership import extraction
-from meshmark.ownership.decoding import Found
+from meshmark.ownership.decoding import Found, lock_bound
 from meshmark.ownership.extraction import find
+from meshmark.ownership.parameters import PRESENT_LOG10
 from meshmark.ownership.search.search import Search
 from meshmark.ownership.search.strategies import Strategy
 from tests.keys import KEY
@@ -41,6 +45,28 @@ def search(monkeypatch: pytest.MonkeyPatch) -> Search:
 def test_a_search_ends_with_the_first_id_that_is_sure_enough_or_the_surest(search, sure, expected):
     assert find(replace(search, sure=sure)).ids == (expected,)
     assert search.trials.charge_decoding() == 2 * (expected + 2) * (expected + 3), "it did not go on"
+
+
+@pytest.mark.parametrize(
+    ("ids", "words", "kept"),
+    [
+        ((5,), (-6.5,), (5,)),
+        ((5,), (-5.5,), ()),
+        ((8,), (-5.5,), (8,)),  # was looked for among all
+        ((5, 6), (-9.0, -5.5), (5,)),
+        ((5, 8), (-5.0, -5.5), (8,)),
+        ((PRESENCE,), (), (PRESENCE,)),
+    ],
+)
+def test_listed_ids_are_named_only_where_another_copy_hardly_tells_them(ids, words, kept):
+    reading: Any = SimpleNamespace(log10_chance=-20.0, hypotheses=10.0)
+    found = Found(reading=reading, present=True, log10_false_positive=-30.0, ids=ids, log10_words=words)
+    named = extraction._surely_named(found, (5, 6))
+    assert named.ids == kept
+    assert len(named.log10_words) == len([each for each in kept if each != PRESENCE])
+    if not kept:
+        assert named.log10_false_positive == pytest.approx(lock_bound(reading))
+        assert named.present == (lock_bound(reading) <= PRESENT_LOG10)
 
 
 def test_strategies_are_chosen(search):

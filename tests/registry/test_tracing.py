@@ -12,9 +12,9 @@ import meshmark as mm
 from meshmark.attacks import ATTACKS
 from meshmark.errors import InputError
 from meshmark.ownership.decoding import Found
+from meshmark.ownership.parameters import ACCUSED_LOG10
 from meshmark.registry import tracing
 from meshmark.registry.entering import original_of_mesh
-from meshmark.registry.known_reading import ACCUSED_LOG10
 from meshmark.registry.recording import mark_of
 from meshmark.registry.registry import Registry
 from meshmark.registry.tracing import trace

@@ -96,6 +96,9 @@ SPREAD: Final = 5.0
 # A mark at the end of its reach moves by at most this share of a step (standard deviation) as errors turn the frame
 # of its ring; half a step is more than four of the deviations that the step is made for, 0.12 each.
 SWAY: Final = 0.05
+# A mark that errors of its ring swing so many times as far as others may be read after one rounding, but not after
+# another that changes as much; of its place no more is believed.
+UNREADABLE: Final = 2.0
 # The error of 32-bit floats, over the diagonal, when the model lies six diagonals from the origin: scaled down to a
 # seventh and moved away by one diagonal of before.
 FAR_AWAY: Final = 4.5e-7

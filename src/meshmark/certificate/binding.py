@@ -1,9 +1,10 @@
 """What binds a certificate to its content, and to the key and the id that it was made with.
 
 `content` authenticates every other field of the certificate, so that an edited one is known; `key` and `mark`
-are digests of it with the key, and with key and id; `id` is the id, sealed: whoever has the key looks for this
-id first, which takes far less evidence than any of 2^64. Without the key all four are random numbers that
-differ from certificate to certificate, so it stays safe to hand out.
+are digests of it with the key, and with key and id; `id` is the id, sealed: with the key this id is looked for
+besides all others, which takes far less evidence than any of 2^64. Without the key all four are random numbers
+of one length that differ from certificate to certificate, so it stays safe to hand out. Certificates that were
+made before ids were sealed have none.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ FIELD = "binding"
 """Name of the certificate's field."""
 _PURPOSE = "certificate binding"
 _BYTES = 16
+_SEAL, _ID_BYTES = "certificate id seal", 16
 # Fields that verdicts depend on.
 _SAID = ("layers", "written")
 
@@ -38,7 +40,7 @@ def bound(certificate: Certificate, key: Key, identity: int) -> Certificate:
         "content": content,
         "key": _of_key(content, key),
         "mark": _of_mark(content, key, identity),
-        "id": seal(_bytes_of(identity), key, _text(content)).hex(),
+        "id": seal(identity.to_bytes(_ID_BYTES, "little"), key, _SEAL, bound_to=_text(content)).hex(),
     }
     return replace(certificate, more={**certificate.more, FIELD: value})
 
@@ -48,13 +50,17 @@ def refuse_edited(certificate: Certificate, key: Key) -> None:
     value = certificate.more.get(FIELD)
     if not isinstance(value, dict) or not _made_with(value, key):
         return  # nothing can be said of certificates of other keys
-    content = _content(certificate, key)
-    if not _agrees(value.get("content"), content) or _opened(value, key) is None:
+    intact = _agrees(value.get("content"), _content(certificate, key))
+    if not intact or ("id" in value and _opened(value, key) is None):
         raise InputError("the certificate was edited after it was made, expected the file that `embed` wrote")
 
 
 def stated_id(certificate: Certificate, key: Key) -> int | None:
-    """Return the id of the mark that a certificate was made for, None where another key made it."""
+    """Return the id of the mark that a certificate was made for.
+
+    None where another key made it, where it has none, or where it was changed. Other fields are not looked at: see
+    `refuse_edited`.
+    """
     value = certificate.more.get(FIELD)
     return _opened(value, key) if isinstance(value, dict) and _made_with(value, key) else None
 
@@ -94,7 +100,7 @@ def _opened(value: dict[str, Any], key: Key) -> int | None:
     """Return the id that is sealed in the value, None where it was changed."""
     try:
         sealed = bytes.fromhex(value["id"])
-        return int.from_bytes(open_sealed(sealed, key, _text(value["content"])), "little")
+        return int.from_bytes(open_sealed(sealed, key, _SEAL, bound_to=_text(value["content"])), "little")
     except (InputError, KeyError, TypeError, ValueError):
         return None
 
@@ -112,11 +118,9 @@ def _of_key(content: str, key: Key) -> str:
 
 
 def _of_mark(content: str, key: Key, identity: int) -> str:
-    return _digest(_bytes_of(identity) + _text(content), key, b"mark")
-
-
-def _bytes_of(identity: int) -> bytes:
-    return identity.to_bytes(8 if identity < 1 << 64 else 16, "little")
+    return _digest(
+        identity.to_bytes(8 if identity < 1 << 64 else 16, "little") + _text(content), key, b"mark"
+    )
 
 
 def _text(value: str) -> bytes:

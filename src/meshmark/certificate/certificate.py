@@ -3,7 +3,7 @@
 It holds landmarks (centres of smooth windows of the surface, with normals and descriptors), the canonical frame and
 the lattice's parameters: neither the surface nor anything of the key. The file is one JSON object:
 
-    format "meshmark certificate", version 5; other versions are refused
+    format "meshmark certificate", version 4; other versions are refused
     vertices, faces      counts of the marked model
     lattice              label of the lattice among those of the key, 32 hexadecimal digits
     spacing, step        of the lattice, in canonical units and in spacings; strength subtle, standard or strong
@@ -15,8 +15,8 @@ the lattice's parameters: neither the surface nor anything of the key. The file 
     corners              of some triangles, canonical, in base64, as the landmarks are
     written              of a model with the id alone: keyed digest of its positions, lock and cells of its lattice
                          (see `authentication.as_written`)
-    binding              keyed digests of all other fields, of the key, and of the id, and the id sealed (see
-                         `binding`)
+    binding              keyed digests of all other fields, of the key, and of the id; and the id, sealed, which
+                         earlier certificates do not have (see `binding`)
     undo                 sealed data that takes the mark off again (see `undo`)
 
 Fields that a reader does not know are kept as they are, and bound like all others, so later versions of meshmark

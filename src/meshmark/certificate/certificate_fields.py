@@ -29,7 +29,7 @@ __all__ = [
 
 FORMAT: Final = "meshmark certificate"
 """What the field `format` says."""
-VERSION: Final = 5
+VERSION: Final = 4
 """Of the files that are written and read."""
 _MOST_LANDMARKS = 20_000
 # Larger numbers do not go into 16 bits; only thousands of sheets on top of each other could give them.
@@ -83,8 +83,8 @@ def read_fields(content: bytes) -> dict[str, Any]:
     version = values.get("version")
     if type(version) is int and 0 < version < VERSION:
         raise OldVersionError(
-            f"is a certificate of version {version}, expected {VERSION}: mark the original again, with the same "
-            "key and id"
+            f"is a certificate of version {version}, expected {VERSION}: marks of earlier versions are no "
+            "longer read; mark the original again"
         )
     if type(version) is not int or version != VERSION:
         raise InputError(f"its version is {version!r}, expected {VERSION}")

@@ -19,32 +19,31 @@ __all__ = ["TAG_BYTES", "open_sealed", "seal"]
 
 TAG_BYTES = 16
 """How much longer than the text its sealed form is."""
-_PURPOSE = "undo seal"
 _KEY_BYTES = 64
 
 
-def seal(text: bytes, key: Key, bound_to: bytes = b"") -> bytes:
+def seal(text: bytes, key: Key, purpose: str, *, bound_to: bytes = b"") -> bytes:
     """Return the synthetic initialisation vector, which is also the tag, followed by the cipher text.
 
-    bound_to: what is to be the same when it is opened; another one makes other bytes of the same text.
+    purpose: of the sub-key. bound_to: data that is not sealed, but must be given again, unchanged, to open it.
     """
-    return _cipher(key).encrypt(text, [bound_to] if bound_to else None)
+    return _cipher(key, purpose).encrypt(text, [bound_to] if bound_to else None)
 
 
-def open_sealed(sealed: bytes, key: Key, bound_to: bytes = b"") -> bytes:
+def open_sealed(sealed: bytes, key: Key, purpose: str, *, bound_to: bytes = b"") -> bytes:
     """Return the text; raises `InputError` where the bytes were changed or sealed with another key."""
     from cryptography.exceptions import InvalidTag
 
     try:
-        return _cipher(key).decrypt(sealed, [bound_to] if bound_to else None)
+        return _cipher(key, purpose).decrypt(sealed, [bound_to] if bound_to else None)
     except InvalidTag:
         raise InputError("the certificate's sealed data was changed or made with another key") from None
 
 
-def _cipher(key: Key) -> AESSIV:
+def _cipher(key: Key, purpose: str) -> AESSIV:
     from cryptography.hazmat.primitives.ciphers.aead import AESSIV
     from cryptography.hazmat.primitives.hashes import SHA256
     from cryptography.hazmat.primitives.kdf.hkdf import HKDFExpand
 
     expand = HKDFExpand(SHA256(), _KEY_BYTES, b"meshmark AES-SIV")
-    return AESSIV(expand.derive(key.subkey(_PURPOSE)))
+    return AESSIV(expand.derive(key.subkey(purpose)))

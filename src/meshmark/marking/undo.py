@@ -43,6 +43,7 @@ FIELD = "undo"
 STEP = 2.5e-7
 """Step of a displacement's coordinates over the diagonal."""
 VERSION = 2
+_SEAL = "undo seal"
 DIGEST_BYTES = 16
 # Vertices are coded in levels, each predicted from those before it: (one vertex in N, edges averaged over).
 LEVELS = ((256, 0), (64, 16), (16, 8), (4, 4), (1, 2))
@@ -104,7 +105,7 @@ def with_undo(certificate: Certificate, original: Mesh, marked: Mesh, key: Key) 
     body = _compressed(_residuals(whole.astype(np.int64), _Predictor(marked, frame)))
     value = {
         "version": VERSION,
-        "data": base64.b64encode(seal(head + body, key)).decode("ascii"),
+        "data": base64.b64encode(seal(head + body, key, _SEAL)).decode("ascii"),
     }
     return replace(certificate, more={**certificate.more, FIELD: value})
 
@@ -137,7 +138,7 @@ def unmark(mesh: Mesh, key: Key, certificate: Certificate) -> Unmarked:
     if remark is not None:
         raise InputError(f"{remark[:1].lower()}{remark[1:].rstrip('.')}")
     refuse_edited(certificate, key)
-    plain = open_sealed(data, key)
+    plain = open_sealed(data, key, _SEAL)
     start = 8 + 2 * DIGEST_BYTES
     step = float(np.frombuffer(plain[:8], "<f8")[0])
     faces, positions = plain[8 : 8 + DIGEST_BYTES], plain[8 + DIGEST_BYTES : start]

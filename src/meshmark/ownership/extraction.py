@@ -17,7 +17,7 @@ from meshmark.ownership.answer import extraction_of
 from meshmark.ownership.carriers.reading import Reading
 from meshmark.ownership.decoding import Found, Listed, decoded, lock_bound
 from meshmark.ownership.extraction_result import Extraction
-from meshmark.ownership.parameters import PRESENT_LOG10
+from meshmark.ownership.parameters import ACCUSED_LOG10, PRESENT_LOG10
 from meshmark.ownership.search.search import EFFORTS, Search
 from meshmark.ownership.search.strategies import STRATEGIES, Strategy
 from meshmark.ownership.search.trials import OutOfTimeError, TrialCounter
@@ -86,7 +86,8 @@ def extract(
         trials=TrialCounter(time_limit),
         among=tuple(dict.fromkeys((*among, *_stated(reference, key)))),
     )
-    found = find_copies(asked) if copies else find(asked)
+    asked = replace(asked, sure=ACCUSED_LOG10 if asked.among else None)
+    found = _surely_named(find_copies(asked) if copies else find(asked), asked.among)
     result = extraction_of(found, Codec(key), MODES[type(reference)], perf_counter() - start)
     remark = mismatch(reference, key, result.id) if isinstance(reference, Certificate) else None
     return result if remark is None else replace(result, advice=f"{result.advice} {remark}")
@@ -96,6 +97,25 @@ def _stated(reference: Certificate | Mesh | None, key: Key) -> tuple[int, ...]:
     """Return the id that a certificate of this key was made for, where it is one of 64 or 32 bits."""
     identity = stated_id(reference, key) if isinstance(reference, Certificate) else None
     return () if identity is None or not bits_of(identity) else (identity,)
+
+
+def _surely_named(found: Found, listed: Sequence[int]) -> Found:
+    """Return what was found without those of the listed ids that another copy of the model may tell by chance.
+
+    Its lock is no chance, as both have one lattice; only the word is.
+    """
+    kept = [
+        (each, bound)
+        for each, bound in zip(found.ids, found.log10_words, strict=False)
+        if each not in listed or bound <= ACCUSED_LOG10
+    ]
+    if len(kept) == len(found.log10_words) or found.reading is None:
+        return found
+    ids, words = tuple(each for each, _ in kept), tuple(bound for _, bound in kept)
+    if ids:
+        return replace(found, ids=ids, log10_words=words)
+    bound = lock_bound(found.reading)
+    return replace(found, ids=(), log10_words=(), present=bound <= PRESENT_LOG10, log10_false_positive=bound)
 
 
 def checked_request(

@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 
 __all__ = [
+    "ACCUSED_LOG10",
     "ALIKE",
     "BUDGET_SHARE",
     "CARRIER_ENOUGH",
@@ -194,6 +195,8 @@ PRESENT_LOG10: Final = -6.0
 # Where the lock is credible, an id is named if its word agrees so well by chance only (decision 0004): a tenth of
 # the bound above, as several readings of one mark are decoded.
 PROVEN_LOG10: Final = -7.0
+ACCUSED_LOG10: Final = -6.0
+"""A listed id is named where the chance is below 10^this that a copy with none of them tells one of them."""
 # Where the lock is credible, the words of ids of 32 bits and that of the mark without an id are looked for, too,
 # each at this share of what chance may do; and the latter is named where its word agrees so well by chance only
 # (decision 0033).

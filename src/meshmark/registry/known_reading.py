@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Final
 
 from meshmark.authentication.reported import marks_evidence
 from meshmark.certificate.binding import refuse_edited
@@ -12,14 +11,12 @@ from meshmark.coding.chance import believable
 from meshmark.coding.keys import Key
 from meshmark.mesh import Mesh
 from meshmark.ownership.extraction import find
+from meshmark.ownership.parameters import ACCUSED_LOG10
 from meshmark.ownership.search.search import Search
 from meshmark.scene.surfaces import surfaces_to_read
 from meshmark.threads import on_one_thread
 
-__all__ = ["ACCUSED_LOG10", "KnownReading", "read_known"]
-
-ACCUSED_LOG10: Final = -6.0
-"""A recipient is named where the chance that an innocent one of the whole registry is lies below 10^this."""
+__all__ = ["KnownReading", "read_known"]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -31,10 +31,10 @@ from meshmark.ownership.answer import extraction_of
 from meshmark.ownership.decoding import Found
 from meshmark.ownership.extraction import find, find_copies
 from meshmark.ownership.extraction_result import Extraction
+from meshmark.ownership.parameters import ACCUSED_LOG10
 from meshmark.ownership.search.search import EFFORTS, Search
 from meshmark.ownership.search.strategies import Strategy
 from meshmark.ownership.search.trials import TrialCounter
-from meshmark.registry.known_reading import ACCUSED_LOG10
 from meshmark.registry.likely_originals import Candidate, candidates
 from meshmark.registry.registry import Registry
 from meshmark.registry.shape_descriptor import RATIO

@@ -128,5 +128,5 @@ def test_marks_that_swing_are_not_taken_for_readable():
     _, failing = unread_when_rounded(forced, done, done.points, KEY, FINE)
     swing = np.zeros(len(tips))
     swing[forced.marks] = forced.found.swing
-    assert (failing == (swing > 2.0)).all()
+    assert (failing == (swing >= 2.0)).all()
     assert failing.sum() > 100

@@ -39,8 +39,8 @@ _MIX = np.array([0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9, 0x94D049BB133111EB], np
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Read:
-    """What candidates say: symbols (c,), whether a mark holds, how far it is off (`places_off`), and whether it
-    holds only if its ring was not on a boundary when it was made.
+    """What candidates say: symbols (c,), whether a mark holds, how far it is off, in steps, and whether it holds
+    only if its ring was not on a boundary when it was made.
     """
 
     symbol: IntArray
@@ -71,29 +71,29 @@ def read_marks(
 
     Of headers of a small model that say different pieces of an unknown id, those hold that say what most do.
 
-    Marks lie as near to whole places as the file's precision lets them; how near that is, the marks show. What lies
-    farther off holds by chance, or was moved by less than a step. A mark beside a boundary that would hold if there
-    were none is a mark beside a hole that was made.
+    Marks lie as near to whole places as the file's precision lets them; how near that is, the marks show, of
+    those that swing by their swing. What lies farther off holds by chance, or was moved by less than a step. A
+    mark beside a boundary that would hold if there were none is a mark beside a hole that was made.
     payload: the expected symbols, where they have been decoded: a mark that says another one does not hold.
     more: whole places that are read after the others; they need not be made into candidates, which take room.
     """
     off, of, whole = places_off(found), np.arange(len(found.vertex)), found.whole
     if more is not None:
-        beside = np.abs(found.place[more.row] - more.whole).max(axis=1) / found.swing[more.row]
-        off = np.concatenate([off, beside])
+        off = np.concatenate([off, np.abs(found.place[more.row] - more.whole).max(axis=1)])
         of, whole = np.concatenate([of, more.row]), np.concatenate([whole, more.whole])
     symbol = np.zeros(len(off), np.int64)
     holds, new_boundary = np.zeros(len(off), bool), np.zeros(len(off), bool)
+    swung = off / found.swing[of]
     last, window = -1.0, _WINDOW
     while window > last:  # a narrow window first: few files need more
-        within = np.flatnonzero((off > last) & (off <= window))
+        within = np.flatnonzero((swung > last) & (swung <= window))
         for block in blocks(len(within), _BLOCK):  # a large model has ten million
             rows = within[block]
             some = replace(found.take(of[rows]), whole=whole[rows])
             symbol[rows], holds[rows], new_boundary[rows] = _read(some, key, layout, nonce, payload)
         last = window
-        window = window_of(off[holds], layout)
-    holds &= off <= window
+        window = window_of(swung[holds], layout)
+    holds &= swung <= window
     if nonce is None and layout.pieces_only:
         holds &= ~outvoted(found.index[of], symbol, layout.symbol, holds)
     return Read(symbol=symbol, holds=holds, off=off, new_boundary=new_boundary & holds)

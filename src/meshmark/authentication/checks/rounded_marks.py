@@ -19,14 +19,11 @@ from meshmark.authentication.marks.plan import Marked, Plan
 from meshmark.authentication.marks.ring_shapes import ring_shapes
 from meshmark.authentication.marks.rings_of import rings_of
 from meshmark.authentication.marks.words import PURPOSE
-from meshmark.authentication.parameters import Style
+from meshmark.authentication.parameters import UNREADABLE, Style
 from meshmark.coding.keys import Key
 from meshmark.mesh import FloatArray
 
 __all__ = ["unread_when_rounded"]
-
-# A mark that swings more may be read after this rounding, but not after another one that changes as much.
-_SWUNG = 2.0
 
 
 def unread_when_rounded(
@@ -70,7 +67,7 @@ def unread_when_rounded(
         and by `places_off`.
         """
         same = found.name == plan.found.name[row_of[found.vertex]]
-        found = found.take(same & (found.swing <= _SWUNG))
+        found = found.take(same & (found.swing < UNREADABLE))
         steps = np.abs(found.place - marked.place[row_of[found.vertex]]).max(axis=1)
         return found.vertex, steps, steps / found.swing
 

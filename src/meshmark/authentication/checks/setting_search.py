@@ -136,7 +136,7 @@ def any_hold(points: FloatArray, rings: list[Rings], key: Key, nonce: int | None
     """Return whether more marks of a sample may hold than luck lets hold, under any step and layout.
 
     With the nonce that the marks report, and with `nonce`, where there is one. What depends on neither is done
-    once. Where it says no, `likeliest_setting` finds nothing beyond luck either.
+    once. Where it says no, `likeliest_setting`, whose sample may be another, hardly ever says more.
     """
     total = sum(len(group.vertex) for group in rings)
     sample = _sample(points, rings, None, _SAMPLE_BLIND)
@@ -221,7 +221,7 @@ def _best(tried: _Tried, style: Style, key: Key, nonce: int | None) -> Setting |
         found, size = found.take(some), size[some]
     bound = bind(found, key, nonce)
     order = np.argsort(size)
-    off = places_off(found)
+    off = places_off(found) / found.swing
     best = None
     for layout in style.layouts:
         _, holds = symbols_at(found.whole, found.boundary, bound, layout)

@@ -34,6 +34,7 @@ from meshmark.authentication.parameters import (
     REACH,
     SPREAD,
     SWAY,
+    UNREADABLE,
     Layout,
 )
 from meshmark.coding.keyed import unit_interval
@@ -58,7 +59,7 @@ class Candidates:
     kind: (c,) HEADER, PLACE or PAYLOAD; index: (c,) uint32 of the symbol. name: (c,) uint64 of the ring, the
     first of its keyed numbers; words: (c, 4) uint64, those that the symbol is bound by. place: (c, 3) of the
     point in its ring, in steps, less the dither: a mark has whole numbers here; whole: (c, 3) those that are
-    tried. swing: (c,) how many times as far as others errors of its ring move it (`RingShapes`), at least 1.
+    tried. swing: (c,) how many times as far as others errors of its ring move it (`RingShapes`), 1 to `UNREADABLE`.
     boundary: (c,) a bit for each neighbour that is on a boundary, in the ring's order.
     """
 
@@ -126,8 +127,8 @@ def with_beside(found: Candidates, more: Beside) -> Candidates:
 
 
 def places_off(found: Candidates) -> FloatArray:
-    """Return (c,) how far the places of candidates are off those tried, in steps, over what makes them swing."""
-    return np.asarray(np.abs(found.place - found.whole).max(axis=1) / found.swing)
+    """Return (c,) how far the places of candidates are off those tried, in steps, on the axis where farthest."""
+    return np.asarray(np.abs(found.place - found.whole).max(axis=1))
 
 
 def level_of(shapes: RingShapes, unit: float) -> FloatArray:
@@ -212,7 +213,7 @@ def placed(points: FloatArray, found: Ways) -> Candidates:
         words=words[:, BINDING],
         place=place,
         whole=np.round(place).astype(np.int64),
-        swing=np.maximum(shapes.swing.take(row), 1.0),
+        swing=np.clip(shapes.swing.take(row), 1.0, UNREADABLE),
         boundary=boundary.astype(np.int32),
     )
 

@@ -51,7 +51,7 @@ def _beside(
     that were left without one have their turn first the next time.
     """
     options = connectivity.graph @ able.astype(np.float64)
-    others = others & (options > 0.0)
+    others = others & (options > 0.0) & ~chosen
     urgent, best, fewest = np.zeros_like(others), chosen, int(others.sum())
     for _ in range(_TIMES):
         if not fewest:
@@ -71,7 +71,7 @@ def _beside(
 def _more(
     connectivity: Connectivity, chosen: NDArray[np.bool_], allowed: NDArray[np.bool_], chance: FloatArray
 ) -> NDArray[np.bool_]:
-    """Return the chosen points and as many of the allowed ones, all (p,), as leaves no two neighbours."""
+    """Return the chosen points and a maximal set of the allowed ones that leaves no two neighbours, all (p,)."""
     free = allowed & ~chosen
     if free.any():
         free[free] = ~_near(connectivity, chosen)[free]
