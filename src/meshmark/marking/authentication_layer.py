@@ -126,6 +126,7 @@ def _first_read(base: Base, request: MarkRequest, wanted: _Wanted) -> Authentica
         0,
     )
     for planned in plans(base.mesh, request.key, request.tolerance, small=wanted is _Wanted.SMALL):
+        chosen = planned
         some = (each for each in _choices(planned, request.key) if wanted.has(each.plan.carries_id))
         refusal = CapacityError("the model has room for too few marks of authentication to tell its id")
         for chosen in islice(some, _READ):
@@ -139,6 +140,7 @@ def _first_read(base: Base, request: MarkRequest, wanted: _Wanted) -> Authentica
             except CapacityError as error:
                 refusal = _without_frames(error)
                 break
+        del planned, chosen, some  # the next plan of millions of points takes gigabytes besides
     raise refusal
 
 

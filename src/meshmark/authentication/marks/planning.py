@@ -61,11 +61,12 @@ def plans(mesh: Mesh, key: Key, tolerance: str | None, *, small: bool = False) -
                 f"marks of authentication without payload are for {SMALL_RINGS} points at most"
             )
     for first in _by_precision(mesh, key, precisions):
+        precision = first.precision
         yield first
+        del first  # one plan of millions of points is enough at a time
         for more in _COARSER:
             with suppress(CapacityError):
-                again = replace(first.precision, error=more * first.precision.error)
-                yield _planned(mesh, key, again)
+                yield _planned(mesh, key, replace(precision, error=more * precision.error))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -75,6 +76,10 @@ class _Waiting:
     precision: Precision
     covered: float
     kept: Planned | None
+
+    def planned(self, mesh: Mesh, key: Key) -> Planned:
+        """Return the plan, made again where it was not kept."""
+        return self.kept or _planned(mesh, key, self.precision)
 
 
 def _by_precision(mesh: Mesh, key: Key, precisions: tuple[Precision, ...]) -> Iterator[Planned]:
@@ -97,18 +102,18 @@ def _by_precision(mesh: Mesh, key: Key, precisions: tuple[Precision, ...]) -> It
         del found, kept
         if enough:
             yield from _covering(mesh, key, waiting)
-            waiting = []
-    yield from _covering(mesh, key, waiting)
     if not (waiting or enough):
         raise refusal
+    yield from _covering(mesh, key, waiting)
 
 
 def _covering(mesh: Mesh, key: Key, waiting: list[_Waiting]) -> Iterator[Planned]:
     """Yield those that cover nearly as much of the points as the best of them."""
-    most = max((each.covered for each in waiting), default=0.0)
-    for each in waiting:
-        if each.covered >= _COVERED * most:
-            yield each.kept or _planned(mesh, key, each.precision)
+    least = _COVERED * max((each.covered for each in waiting), default=0.0)
+    left = [each for each in waiting if each.covered >= least]
+    waiting.clear()
+    while left:
+        yield left.pop(0).planned(mesh, key)  # and nobody here keeps it
 
 
 def _planned(mesh: Mesh, key: Key, precision: Precision) -> Planned:
