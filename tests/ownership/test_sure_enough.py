@@ -13,13 +13,13 @@ from meshmark.coding.message import PRESENCE
 from meshmark.geometry.surface_of import surface_of
 from meshmark.mesh import Mesh
 from meshmark.ownership import extraction
-from meshmark.ownership.decoding import Found, lock_bound
+from meshmark.ownership.decoding import Found
 from meshmark.ownership.extraction import find
-from meshmark.ownership.parameters import PRESENT_LOG10
 from meshmark.ownership.search.search import Search
 from meshmark.ownership.search.strategies import Strategy
 from tests.keys import KEY
 
+LISTED = (5, 6)
 WORDS = (-3.0, -5.0, -4.0, -8.0, -20.0)
 
 
@@ -47,11 +47,17 @@ def test_a_search_ends_with_the_first_id_that_is_sure_enough_or_the_surest(searc
     assert search.trials.charge_decoding() == 2 * (expected + 2) * (expected + 3), "it did not go on"
 
 
+def told(ids: tuple[int, ...], words: tuple[float, ...]) -> Found:
+    """Return what was found of which `LISTED` ids were looked for, with these chances of the words."""
+    reading: Any = SimpleNamespace(log10_chance=-20.0, hypotheses=10.0)
+    found = Found(reading=reading, present=True, log10_false_positive=-30.0, ids=ids, log10_words=words)
+    return extraction._surely_named(found, LISTED)
+
+
 @pytest.mark.parametrize(
     ("ids", "words", "kept"),
     [
         ((5,), (-6.5,), (5,)),
-        ((5,), (-5.5,), ()),
         ((8,), (-5.5,), (8,)),  # was looked for among all
         ((5, 6), (-9.0, -5.5), (5,)),
         ((5, 8), (-5.0, -5.5), (8,)),
@@ -59,14 +65,17 @@ def test_a_search_ends_with_the_first_id_that_is_sure_enough_or_the_surest(searc
     ],
 )
 def test_listed_ids_are_named_only_where_another_copy_hardly_tells_them(ids, words, kept):
-    reading: Any = SimpleNamespace(log10_chance=-20.0, hypotheses=10.0)
-    found = Found(reading=reading, present=True, log10_false_positive=-30.0, ids=ids, log10_words=words)
-    named = extraction._surely_named(found, (5, 6))
+    named = told(ids, words)
     assert named.ids == kept
-    assert len(named.log10_words) == len([each for each in kept if each != PRESENCE])
-    if not kept:
-        assert named.log10_false_positive == pytest.approx(lock_bound(reading))
-        assert named.present == (lock_bound(reading) <= PRESENT_LOG10)
+    assert len(named.log10_words) == len(set(kept) - {PRESENCE})
+    assert named.log10_false_positive == -30.0
+
+
+def test_where_no_id_is_sure_the_mark_is_still_there_by_its_lock():
+    named = told((5,), (-5.5,))
+    assert (named.ids, named.log10_words) == ((), ())
+    assert named.present
+    assert -20.0 < named.log10_false_positive < -15.0
 
 
 def test_strategies_are_chosen(search):

@@ -14,7 +14,7 @@ from meshmark.cli.options import AsJson, Bits, ForceKey, KeyFile, Layers, ModelI
 from meshmark.cli.output import answer, described, plural
 from meshmark.cli.paths import STANDARD_INPUT, make_folder, naming
 from meshmark.cli.progress import counted
-from meshmark.cli.registry_option import RegistryIn, named_registry, open_registry
+from meshmark.cli.registry_option import REGISTRY_VARIABLE, RegistryIn, named_registry, open_registry
 from meshmark.errors import InputError
 
 if TYPE_CHECKING:
@@ -88,7 +88,7 @@ def issue_copies(
         resume=resume,
     )
     if part is not None:
-        from meshmark.cli.issue_workers import part_of, run_part
+        from meshmark.registry.issue_workers import part_of, run_part
 
         with naming(model), open_registry(place) as opened:
             return run_part(issue(plan, part_of(wanted, part), opened))
@@ -97,12 +97,13 @@ def issue_copies(
     options["--bits"] = bits
     line += [word for name, value in options.items() if value is not None for word in (name, str(value))]
     line += [name for name, given in (("--resume", resume), ("--force", force)) if given]
-    from meshmark.cli.issue_workers import worked
+    from meshmark.registry.issue_workers import worked
 
     found: list[Issued] = []
     with naming(model), open_registry(place) as opened, counted("copies") as report:
         check_rows(plan, wanted, opened)
-        for each in issue(plan, wanted, opened) if workers == 1 else worked(line, workers, place):
+        apart = {REGISTRY_VARIABLE: place}
+        for each in issue(plan, wanted, opened) if workers == 1 else worked(line, workers, apart):
             found.append(each)
             report(len(found), len(wanted), 0)
     order = {each.name: number for number, each in enumerate(wanted)}

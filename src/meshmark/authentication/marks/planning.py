@@ -88,23 +88,32 @@ def _by_precision(mesh: Mesh, key: Key, precisions: tuple[Precision, ...]) -> It
     enough = False
     for precision in precisions:
         try:
-            found = _planned(mesh, key, precision)
+            found = _looked_at(mesh, key, precision, wanted=enough)
         except CapacityError as error:
-            refusal = error
+            refusal = error.with_traceback(None)  # whose frames hold a plan
             continue
-        room = 8 * capacity(found.plan.payload_marks, found.plan.symbol_bits)
-        if room < precision.enough * len(found.plan.surface.points):
-            continue
-        covered = found.plan.covered
-        enough = enough or covered >= _COVERED
-        kept = found if enough or len(found.plan.surface.points) <= _LARGE else None
-        waiting.append(_Waiting(precision=precision, covered=covered, kept=kept))
-        del found, kept
+        if found is not None:
+            enough = enough or found.covered >= _COVERED
+            waiting.append(found)
+            found = None
         if enough:
             yield from _covering(mesh, key, waiting)
     if not (waiting or enough):
         raise refusal
     yield from _covering(mesh, key, waiting)
+
+
+def _looked_at(mesh: Mesh, key: Key, precision: Precision, *, wanted: bool) -> _Waiting | None:
+    """Return the plan of a precision, None where it has too little room.
+
+    It is kept where it is `wanted` whatever it covers, covers enough, or is small.
+    """
+    found = _planned(mesh, key, precision)
+    points = len(found.plan.surface.points)
+    if 8 * capacity(found.plan.payload_marks, found.plan.symbol_bits) < precision.enough * points:
+        return None
+    kept = wanted or found.plan.covered >= _COVERED or points <= _LARGE
+    return _Waiting(precision=precision, covered=found.plan.covered, kept=found if kept else None)
 
 
 def _covering(mesh: Mesh, key: Key, waiting: list[_Waiting]) -> Iterator[Planned]:

@@ -12,11 +12,10 @@ import queue
 import subprocess
 import sys
 import threading
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import IO, Any
 
-from meshmark.cli.registry_option import REGISTRY_VARIABLE
 from meshmark.coding.message import parse_id
 from meshmark.errors import CapacityError, InputError, MeshmarkError, OutputError, RegistryError
 from meshmark.registry.issuing import Issued
@@ -29,14 +28,14 @@ _KINDS: dict[str, type[MeshmarkError]] = {
 }
 
 
-def worked(line: Sequence[str], workers: int, place: str) -> Iterator[Issued]:
+def worked(line: Sequence[str], workers: int, variables: Mapping[str, str]) -> Iterator[Issued]:
     """Run a command line in several processes, each with its part; yields the copies as they are made.
 
-    place: of the registry, which goes by the environment, as it may hold a password. Raises the first error of a
-    worker, after the others have ended the copies that they are at.
+    variables: what the environment tells them besides: the place of the registry, which may hold a password.
+    Raises the first error of a worker, after the others have ended the copies that they are at.
     """
     messages: queue.SimpleQueue[dict[str, Any] | None] = queue.SimpleQueue()
-    environment = {**os.environ, REGISTRY_VARIABLE: place}
+    environment = {**os.environ, **variables}
     running = [
         subprocess.Popen(
             [sys.executable, "-m", "meshmark", *line, "--json", "--part", f"{number}/{workers}"],
