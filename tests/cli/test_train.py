@@ -9,7 +9,7 @@ import pytest
 from meshmark.cli.main import main
 from meshmark.io import write_mesh
 from meshmark.mesh import Mesh
-from meshmark.network.weights import read_network
+from meshmark.network.weights import parse_network
 from meshmark.ownership.carrier_features import FEATURES
 from meshmark.research.training import demodulator_trials as trials
 from tests.research.training.test_training import TETRAHEDRON
@@ -36,7 +36,7 @@ def test_train_writes_a_network_and_says_how_good_it_is(folder, tmp_path, capsys
     assert told["models for validation"] == ["long.off"]
     assert told["models for fitting"] == ["short.off"]
     assert told["figures on validation models"]["float32:1"]["errors nearest point"] < 0.1
-    assert read_network(out, FEATURES).sizes[0] == len(FEATURES)
+    assert parse_network(out.read_text(), FEATURES).sizes[0] == len(FEATURES)
     assert json.loads(out.read_text())["command"].endswith("--out network.json --seed 3 --most-points 20000")
     before = out.read_text()
     out.unlink()

@@ -19,7 +19,6 @@ __all__ = [
     "PRESENCE",
     "SHORT_BITS",
     "bits_of",
-    "check_id",
     "format_id",
     "parse_id",
     "random_id",
@@ -91,12 +90,6 @@ def bits_of(identity: int) -> int:
 def told_id(identity: int | None) -> int | None:
     """Return an id as callers are told it: None where there is none, of `PRESENCE` too."""
     return None if identity == PRESENCE else identity
-
-
-def check_id(identity: int) -> int:
-    """Return the id unchanged; raises `InputError` for a number that `bits_of` does not know."""
-    bits_of(identity)
-    return identity
 
 
 def requested_id(id: int | None, bits: int) -> int:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from importlib import resources
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,7 +12,7 @@ import numpy as np
 from meshmark.errors import InputError
 from meshmark.network.perceptron import Perceptron
 
-__all__ = ["dump_network", "parse_network", "read_network", "shipped_network"]
+__all__ = ["dump_network", "parse_network", "shipped_network"]
 
 KIND = "meshmark network 1"
 
@@ -58,12 +57,3 @@ def shipped_network(name: str, features: Sequence[str]) -> Perceptron:
     """Return the network shipped under this name, such as "demodulator"."""
     file = resources.files("meshmark.network").joinpath("weights", f"{name}.json")
     return parse_network(file.read_text("utf-8"), features)
-
-
-def read_network(path: Path, features: Sequence[str]) -> Perceptron:
-    """Return the network of a file; raises `InputError` where it cannot be read or takes other features."""
-    try:
-        text = path.read_text("utf-8")
-    except (OSError, ValueError) as error:
-        raise InputError(f"{path}: cannot be read: {error}") from error
-    return parse_network(text, features)
