@@ -23,13 +23,14 @@ import time
 from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
 
 import meshmark as mm
 from claims.models import load, model_paths
-from claims.security.collusion import MEANS
+from claims.security.collusion import GROUPS, suspects
 from meshmark.attacks import ATTACKS, parse_chain
 from meshmark.errors import CapacityError, MeshmarkError
 from meshmark.mesh import FloatArray
@@ -49,7 +50,6 @@ DAMAGES = {
     "noise 2 %": (("noise", 0.02),),
     "8 bits + smoothing .1 x 30": (("quantisation", 8), ("smoothing", 30)),
 }
-GROUPS = (2, 3, 5)
 AFTERWARDS = parse_chain("noise:0.001+similarity:1+file_glb:1")
 """What is done to copies once they are put together."""
 
@@ -95,15 +95,15 @@ def cases(made: list[tuple[int, mm.Mesh]], name: str, seed: int) -> Iterator[Cas
 
 
 def together(made: list[tuple[int, mm.Mesh]], name: str, seed: int) -> Iterator[Case]:
-    """Yield what is made of several copies of a model. Of two, the median is the average."""
+    """Yield what is made of several copies of a model."""
     copies, faces = np.stack([mesh.vertices for _, mesh in made]), made[0][1].faces
-    for group in (each for each in GROUPS if each <= len(made)):
+    mosaics = (
+        (group, "mosaic", mm.Mesh(pieces(copies[:group]), faces)) for group in GROUPS if group <= len(made)
+    )
+    for group, kind, mesh in chain(suspects(mm.Mesh(copies[0], faces), copies), mosaics):
+        suspect = AFTERWARDS(mesh, np.random.default_rng(seed))
         ids = tuple(each for each, _ in made[:group])
-        for kind, put in {**MEANS, "mosaic": pieces}.items():
-            if group > 2 or kind != "median":
-                mesh = mm.Mesh(put(copies[:group]), faces)
-                suspect = AFTERWARDS(mesh, np.random.default_rng(seed))
-                yield Case(damage=f"{kind} of {group}", suspect=suspect, ids=ids, original=name)
+        yield Case(damage=f"{kind} of {group}", suspect=suspect, ids=ids, original=name)
 
 
 def pieces(copies: FloatArray) -> FloatArray:

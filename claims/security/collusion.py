@@ -25,7 +25,7 @@ from meshmark.ownership.parameters import PROVEN_LOG10
 from meshmark.ownership.search.search import Search
 from meshmark.ownership.search.strategies import STRATEGIES
 
-__all__ = ["MEANS", "Answer", "answer", "collusion", "innocents", "suspects"]
+__all__ = ["GROUPS", "MEANS", "Answer", "answer", "collusion", "innocents", "suspects"]
 
 MODELS, LEAST = 20, 5000
 MEANS: dict[str, Callable[[FloatArray], FloatArray]] = {

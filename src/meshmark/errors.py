@@ -22,6 +22,7 @@ __all__ = [
     "MeshmarkError",
     "OutputError",
     "RegistryError",
+    "without_frames",
 ]
 
 
@@ -72,3 +73,9 @@ class CapacityError(MeshmarkError):
     """A model that cannot carry the mark asked for."""
 
     kind = "capacity"
+
+
+def without_frames(error: CapacityError) -> CapacityError:
+    """Return an error that does not keep the arrays of what failed."""
+    error.__context__ = None
+    return error.with_traceback(None)

@@ -12,7 +12,7 @@ from meshmark.authentication.examination import examine
 from meshmark.authentication.marks.plan import plan
 from meshmark.authentication.marks.planning import Planned, plans
 from meshmark.coding.keys import Key
-from meshmark.errors import CapacityError
+from meshmark.errors import CapacityError, without_frames
 from meshmark.geometry.surface_of import surface_of
 from meshmark.marking.bearing_plan import Borne, bearing, planned_marks
 from meshmark.marking.embedding_result import AuthenticationMark
@@ -133,21 +133,15 @@ def _first_read(base: Base, request: MarkRequest, wanted: _Wanted) -> Authentica
             try:
                 return _mended(base, request, chosen, wary=lost > 0)
             except UnreadError as error:
-                refusal, tries = _without_frames(error), tries + 1
+                refusal, tries = without_frames(error), tries + 1
                 lost = lost + 1 if isinstance(error, IdLostError) else 0
                 if lost == _LOST or tries == _TRIES:
                     raise
             except CapacityError as error:
-                refusal = _without_frames(error)
+                refusal = without_frames(error)
                 break
         del planned, chosen, some  # the next plan of millions of points takes gigabytes besides
     raise refusal
-
-
-def _without_frames(error: CapacityError) -> CapacityError:
-    """Return an error that does not keep the arrays of what failed."""
-    error.__context__ = None
-    return error.with_traceback(None)
 
 
 def _mended(base: Base, request: MarkRequest, chosen: Planned, *, wary: bool) -> Authenticated:

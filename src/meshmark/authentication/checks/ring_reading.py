@@ -10,14 +10,7 @@ from numpy.typing import NDArray
 
 from meshmark.arrays import rows_of, sorted_distinct
 from meshmark.authentication.checks.carried import Expected, carried
-from meshmark.authentication.marks.candidates import (
-    HEADER,
-    PAYLOAD,
-    PLACE,
-    Beside,
-    Candidates,
-    places_off,
-)
+from meshmark.authentication.marks.candidates import HEADER, PAYLOAD, PLACE, Beside, Candidates, places_off
 from meshmark.authentication.marks.symbols import header_symbols, outvoted
 from meshmark.authentication.marks.words import bind, symbols_at
 from meshmark.authentication.parameters import WAYS, Layout

@@ -64,7 +64,7 @@ def unread_when_rounded(
 
     def read(found: Candidates) -> tuple[AnyIntArray, FloatArray, FloatArray]:
         """Return the points of candidates in rings as they were made, how far off their places they lie in steps,
-        and by `places_off`.
+        and over what makes them swing.
         """
         same = found.name == plan.found.name[row_of[found.vertex]]
         found = found.take(same & (found.swing < UNREADABLE))

@@ -12,10 +12,10 @@ from meshmark.authentication.marks.independent_points import independent_points
 from meshmark.geometry.connectivity import Connectivity
 from meshmark.mesh import FloatArray, IntArray
 
-__all__ = ["alike", "completed"]
+__all__ = ["SCARCE", "alike", "completed"]
 
-# Points with so few neighbours whose marks are firm get one of those first.
-_SCARCE = (1, 2)
+SCARCE = (1, 2)
+"""Points with so few neighbours that may carry marks which are read come first."""
 # How often they are chosen anew.
 _TIMES = 4
 
@@ -57,7 +57,7 @@ def _beside(
         if not fewest:
             break
         tried = chosen
-        for some in (urgent, *(others & (options <= most) for most in _SCARCE), others):
+        for some in (urgent, *(others & (options <= most) for most in SCARCE), others):
             beside = able & _near(connectivity, some & ~_near(connectivity, tried))
             ruled_out = connectivity.graph @ beside.astype(np.float64)
             tried = _more(connectivity, tried, beside, ruled_out + chance)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshmark.authentication.marks.candidates import joined
-from meshmark.authentication.marks.choice import completed
+from meshmark.authentication.marks.choice import SCARCE, completed
 from meshmark.authentication.marks.plan import Plan
 from meshmark.authentication.marks.ring_room import RingRoom, covered
 from meshmark.authentication.parameters import Style
@@ -23,8 +23,6 @@ __all__ = ["Doubts", "few_enough", "mended"]
 _DOUBT = 0.5
 # The share of the points, or the number, near which marks are chosen anew; where more fail, all are.
 _FEW, _LEAST = 1e-3, 2
-# Points with so few neighbours whose marks may be read come first.
-_SCARCE = (1, 2)
 # Keyed choices that are tried until none of the points that were unread before is left alone.
 _CHOICES = 8
 
@@ -83,7 +81,7 @@ def mended(plan: Plan, key: Key, doubts: Doubts, style: Style) -> Plan:
     for choice in range(_CHOICES):
         chance = unit_interval(keyed_words(key.subkey(f"authentication marks mended {choice}"), len(before)))
         chosen = before & ~opened
-        for most in (*_SCARCE, np.inf):
+        for most in (*SCARCE, np.inf):
             alone = wanted & (options <= most) & ~_with_ring(surface, chosen & ~tried)
             some = able & _with_ring(surface, alone)
             chosen = completed(surface.connectivity, chosen, some, (allowed,), chance)

@@ -12,7 +12,7 @@ from meshmark.authentication.marks.rings_of import rings_of
 from meshmark.authentication.parameters import FINE, SMALL, SMALL_RINGS
 from meshmark.authentication.payload.payload import capacity
 from meshmark.coding.keys import Key
-from meshmark.errors import CapacityError
+from meshmark.errors import CapacityError, without_frames
 from meshmark.geometry.surface_of import surface_of, surface_of_moved
 from meshmark.geometry.together import together
 from meshmark.io.file_precision import conform
@@ -90,7 +90,7 @@ def _by_precision(mesh: Mesh, key: Key, precisions: tuple[Precision, ...]) -> It
         try:
             found = _looked_at(mesh, key, precision, wanted=enough)
         except CapacityError as error:
-            refusal = error.with_traceback(None)  # whose frames hold a plan
+            refusal = without_frames(error)
             continue
         if found is not None:
             enough = enough or found.covered >= _COVERED
