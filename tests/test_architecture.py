@@ -23,7 +23,7 @@ LAYERS = (
     "errors", "late", "kernels", "notebook", "data", "arrays", "document", "mesh", "threads", "workers",
     "strengths", "coding", "geometry", "io", "scene", "saliency", "segmentation", "network", "certificate",
     "ownership", "recovery", "authentication", "marking", "registry", "attacks", "metrics", "report", "batch",
-    "cli", "", "__main__", "web", "research",
+    "cli", "registry_commands", "", "__main__", "web", "research",
 )  # fmt: skip
 # The same of the folders within a folder.
 INSIDE = {
@@ -84,7 +84,7 @@ def within(graph, folder: str) -> dict[str, set[str]]:
 
 def is_outside(module: str) -> bool:
     """Return whether a module is in a wheel of its own."""
-    return place(module).partition(".")[0] in ("research", "web")
+    return place(module).partition(".")[0] in ("registry_commands", "research", "web")
 
 
 def edges(graph) -> list[tuple[str, str]]:

@@ -39,7 +39,7 @@ def test_the_wheel_of_the_product_is_small_and_without_the_others(wheels):
     names = some(wheel.namelist(), least=250)
     assert Path(wheel.filename).stat().st_size < LARGEST
     assert [name for name in names if "research" in name or name.endswith((".npz", ".npy"))] == []
-    assert [name for name in names if name.startswith(("meshmark/web/", "meshmark/registry/"))] == []
+    assert [name for name in names if name.startswith(("meshmark/web/", "meshmark/registry"))] == []
     assert {"meshmark/py.typed", "meshmark/data/hare.drc"} <= set(names)
     extras = {f"Provides-Extra: {name}" for name in ("registry", "research", "web")}
     assert extras <= set(text_of(wheel, "METADATA").splitlines())
@@ -59,8 +59,13 @@ def test_the_wheel_of_research_has_the_rest_and_needs_the_product_of_its_version
 def test_the_wheel_of_the_registry_has_its_migrations_and_needs_the_product_of_its_version(wheels):
     wheel = wheels["meshmark_registry"]
     ours = {name for name in wheel.namelist() if ".dist-info/" not in name}
-    assert all(name.startswith("meshmark/registry/") for name in some(ours, least=20))
+    assert {name.split("/")[1] for name in some(ours, least=20)} == {"registry", "registry_commands"}
     assert "meshmark/registry/migrations/versions/first_tables.py" in ours
+    assert text_of(wheel, "entry_points.txt").splitlines() == [
+        "[meshmark.commands]",
+        "registry = meshmark.registry_commands.registry_group:registry",
+        "trace = meshmark.registry_commands.trace:trace",
+    ]
     metadata = text_of(wheel, "METADATA")
     version = next(line.split()[1] for line in metadata.splitlines() if line.startswith("Version:"))
     assert f"Requires-Dist: meshmark=={version}" in metadata
@@ -116,7 +121,7 @@ from importlib.abc import MetaPathFinder
 
 class TheProductAlone(MetaPathFinder):
     def find_spec(self, name, path, target=None):
-        if name.startswith(("meshmark.research", "meshmark.web")):
+        if name.startswith(("meshmark.registry", "meshmark.research", "meshmark.web")):
             raise ModuleNotFoundError(name)
 
 sys.meta_path.insert(0, TheProductAlone())

@@ -148,12 +148,20 @@ def test_a_command_is_imported_when_it_is_asked_for():
     assert "meshmark.cli.embed" not in ran.stderr
 
 
-@pytest.mark.parametrize("line", [["bench", "smoke"], ["train", "--help"]])
-def test_commands_of_the_research_wheel_say_how_to_get_it(cli, monkeypatch, line):
+@pytest.mark.parametrize(
+    ("line", "extra"),
+    [
+        (["bench", "smoke"], "research"),
+        (["train", "--help"], "research"),
+        (["trace", "found.obj"], "registry"),
+        (["registry", "list"], "registry"),
+    ],
+)
+def test_commands_of_other_wheels_say_how_to_get_them(cli, monkeypatch, line, extra):
     monkeypatch.setattr("importlib.metadata.entry_points", lambda **_: ())
     ran = cli(*line)
     assert (ran.code, ran.out) == (2, "")
     assert ran.err == (
         f"meshmark: `meshmark {line[0]}` is not part of this installation, get it with: "
-        "pip install meshmark[research]\n"
+        f"pip install meshmark[{extra}]\n"
     )

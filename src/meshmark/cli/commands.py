@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from importlib import import_module
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from meshmark.errors import InputError
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 __all__ = ["COMMANDS", "ENTRY_POINTS", "GROUPS", "find_command", "find_group"]
 
 ENTRY_POINTS = "meshmark.commands"
-"""The group of entry points under which the wheels meshmark-research and meshmark-web register their commands."""
+"""The group of entry points under which the other wheels, such as meshmark-research, register their commands."""
 
 # What each command does: the first line of its docstring.
 COMMANDS: dict[str, str] = {
@@ -43,12 +43,21 @@ COMMANDS: dict[str, str] = {
 GROUPS = ("registry", "batch")
 """Commands that are groups of commands: their module offers a `typer.Typer`."""
 # Commands that come with another wheel, and the extra that installs it.
-EXTRAS = {"bench": "research", "train": "research", "serve": "web"}
+EXTRAS = {
+    "bench": "research",
+    "train": "research",
+    "serve": "web",
+    "registry": "registry",
+    "trace": "registry",
+}
 
 
 def find_group(name: str) -> Typer:
-    """Return the commands of a group."""
-    group: Typer = getattr(import_module(f"meshmark.cli.{name}"), name)
+    """Return the commands of a group.
+
+    Raises `InputError` for a group of another wheel where that is not installed.
+    """
+    group: Typer = _loaded(name)
     return group
 
 
@@ -57,14 +66,17 @@ def find_command(name: str) -> Callable[..., int]:
 
     Raises `InputError` for a command of another wheel where that is not installed.
     """
+    command: Callable[..., int] = _loaded(name)
+    return command
+
+
+def _loaded(name: str) -> Any:
     if name not in EXTRAS:
-        command: Callable[..., int] = getattr(import_module(f"meshmark.cli.{name}"), name)
-        return command
+        return getattr(import_module(f"meshmark.cli.{name}"), name)
     from importlib.metadata import entry_points
 
     for point in entry_points(group=ENTRY_POINTS, name=name):
-        found: Callable[..., int] = point.load()
-        return found
+        return point.load()
     raise InputError(
         f"`meshmark {name}` is not part of this installation, get it with: pip install meshmark[{EXTRAS[name]}]"
     )

@@ -1,14 +1,14 @@
-"""`meshmark registry`: who got which copy. A group of commands, each in a module of its own name here."""
+"""`meshmark registry`: who got which copy. A group of commands, each in a module here."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
 from meshmark.cli.command_group import command_group
-from meshmark.cli.registry_exchange import export_registry, import_registry
-from meshmark.cli.registry_issue import issue_copies
-from meshmark.cli.registry_prove import prove_copy, verify_proof
-from meshmark.cli.registry_rows import init_registry, list_registry, show_copy
+from meshmark.registry_commands.registry_exchange import export_registry, import_registry
+from meshmark.registry_commands.registry_issue import issue_copies
+from meshmark.registry_commands.registry_prove import prove_copy, verify_proof
+from meshmark.registry_commands.registry_rows import init_registry, list_registry, show_copy
 
 __all__ = ["REGISTRY_COMMANDS", "registry"]
 

@@ -1,0 +1,1 @@
+"""The commands of the registry, `meshmark registry` and `meshmark trace`: parse, call, print. Part of its wheel."""
