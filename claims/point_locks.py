@@ -53,8 +53,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         for surface, carried in surfaces:
             key = Key(random.bytes(32))
             lattice = PointLattice.keyed(key, Label.of_shape(surface.invariants, key))
-            locks = Framed.of(surface, carried, surface.frame, lattice).locks()
-            best.append(min((lock.log10_chance for lock in locks), default=0.0))
+            framed = Framed.of(surface, carried, surface.frame, lattice)
+            readings = (framed.reading(lock.choice, 1.0) for lock in framed.locks())
+            best.append(min((reading.log10_chance for reading in readings), default=0.0))
     print(f"{len(best):,} frames of {len(surfaces)} models, {len(best) * CHOICES:,} readings")
     missed = 0
     for power in range(3, 9):

@@ -209,6 +209,16 @@ def test_any_unit_will_do(scale):
     assert extract(result.mesh, KEY, search="plain").id == ID
 
 
+def test_the_certificate_of_a_symmetric_model_tells_the_frame_that_the_mark_was_made_in():
+    """That of the marked surface is another turn of it."""
+    made = marked("column")
+    assert np.trace(surface_of(made.mesh).frame.axes.T @ made.ownership.axes) == pytest.approx(-1.0, abs=0.01)
+    assert np.trace(made.certificate.frame.axes.T @ made.ownership.axes) == pytest.approx(3.0, abs=0.01)
+    for seed in range(3):
+        part = parse_chain("similarity:1+delete_part:0.3")(made.mesh, np.random.default_rng(seed))
+        assert extract(part, KEY, reference=made.certificate, search="plain").id == ID
+
+
 def test_the_certificate_and_the_original_read_the_mark_of_a_part():
     result = marked("slab")
     mesh, certificate = result.mesh, result.certificate

@@ -27,7 +27,7 @@ from meshmark.errors import InputError
 from meshmark.geometry.adjacency import adjacency, unique_edges
 from meshmark.geometry.areas import vertex_normals
 from meshmark.geometry.extent import diagonal
-from meshmark.geometry.frame import Frame, frame_alternatives
+from meshmark.geometry.frame import Frame, frame_alternatives, nearest_turn
 from meshmark.geometry.kd_tree import kd_tree
 from meshmark.geometry.surface import Surface
 from meshmark.geometry.surface_of import surface_of
@@ -190,13 +190,13 @@ def _frame(mesh: Mesh, certificate: Certificate) -> Frame:
     signed = certificate.frame
     surface, own = _signed_off(mesh, signed)
     off = np.linalg.norm(own.centre - signed.centre) / signed.scale + abs(own.scale / signed.scale - 1.0)
-    if off + np.abs(own.axes - signed.axes).max() < SAME:
+    if off + np.abs(nearest_turn(own, signed.axes).axes - signed.axes).max() < SAME:
         return signed
     landmarks = certificate.landmarks.places
     if not len(landmarks):
         return own
     tree = kd_tree(surface.points)
-    frames = list(frame_alternatives(own))
+    frames = list(frame_alternatives(own, True))
     left = [float(np.mean(tree.query(frame.to_scene(landmarks))[0])) for frame in frames]
     return frames[int(np.argmin(left))]
 

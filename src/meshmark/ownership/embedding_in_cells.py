@@ -110,6 +110,7 @@ def _read_back(task: EmbeddingTask, shaping: Shaping) -> Owned | None:
         if found.id == task.identity:
             mark = OwnershipMark(
                 carriers=found.carriers,
+                axes=surface.frame.axes,
                 label=shaping.lattice.label,
                 spacing=shaping.lattice.spacing,
                 step=float(step),

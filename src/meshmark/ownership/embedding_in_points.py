@@ -82,7 +82,13 @@ def embed_in_points(task: EmbeddingTask) -> Owned:
         if carriers:
             step /= SIDE
             mark = OwnershipMark(
-                carriers=carriers, label=task.label, spacing=SIDE, step=step, at_points=True, bits=task.bits
+                carriers=carriers,
+                axes=task.surface.frame.axes,
+                label=task.label,
+                spacing=SIDE,
+                step=step,
+                at_points=True,
+                bits=task.bits,
             )
             borne = _borne(task, marked)
             compared += 1

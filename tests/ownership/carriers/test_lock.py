@@ -93,6 +93,17 @@ def test_all_steps_at_once_find_what_each_step_finds(seed):
     assert together.best(4, 3)[0][1].score == pytest.approx(found[0][0])
 
 
+def test_a_small_correction_is_climbed_to_from_rest():
+    psi, gradient, truth = problem(5, size=0.1)
+    search = LockSearch(psi, gradient, EXPECTED, 2.2, weight=np.ones(len(psi)))
+    rest = search.at_rest()
+    np.testing.assert_array_equal(rest.correction, np.zeros(7))
+    assert rest.score == pytest.approx(np.cos(psi).sum())
+    (top,) = search.polished([rest])
+    np.testing.assert_allclose(top.correction, truth, atol=2e-4)
+    assert top.score > rest.score
+
+
 def test_a_correction_of_nothing_is_kept():
     psi, gradient, _ = problem(1, noise=0.1, size=0.0)
     best = search_lock(psi, gradient, EXPECTED)[0]

@@ -77,6 +77,10 @@ class LockSearch:
         """How many independent corrections the best of this search is the best of, at most."""
         return distinguished(self._grid, self._response)
 
+    def at_rest(self) -> Lock:
+        """Return no correction."""
+        return self._lock(np.zeros(len(self._back)))
+
     def rough(self, keep: int) -> list[Lock]:
         """Return the best grid points, best first, one at most of each row of the grid.
 

@@ -17,7 +17,7 @@ from meshmark.ownership.points.point_lattice import PointLattice
 __all__ = ["sweep"]
 
 # Where moments are alike their axes turn: by so much, in radians, over the gap between them, and at most.
-TURNS, MOST = 3e-5, 0.03
+TURNS, MOST = 1e-4, 0.06
 # Moments of a marked surface differ by more than this times its width along their axes: an embedding sees to that.
 NEVER = 1e-4
 # Turns are this far apart, in radians, and judged by this number of points, at steps of at least this index.

@@ -16,7 +16,7 @@ from meshmark.ownership.carriers.lock import LockSearch
 from meshmark.ownership.carriers.pose import Pose, moved_along
 from meshmark.ownership.carriers.reading import Reading
 from meshmark.ownership.points.carried_coordinates import Carried
-from meshmark.ownership.points.few_points import log10_lock_chance_of_few
+from meshmark.ownership.points.lock_chance import log10_lock_chance, log10_loose_chance
 from meshmark.ownership.points.parameters import FEW_POINTS, MODES, READABLE, SHARES, SIDE, STEPS
 from meshmark.ownership.points.point_choice import Choice
 from meshmark.ownership.points.point_lattice import PointKeys, PointLattice
@@ -36,9 +36,12 @@ CORRECTIONS, JUDGES = 2, 1000
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PointLock:
-    """A choice, where it locks in a frame, and how likely that is by chance: 10^log10_chance."""
+    """A choice, where it locks in a frame, and its `log10_loose_chance`, by which choices are compared.
 
-    log10_chance: float
+    The closer bound prefers small shares of a mark that happen to hold no point that could not be set.
+    """
+
+    log10_loose: float
     framed: Framed
     choice: Choice
 
@@ -59,7 +62,8 @@ class PointLock:
         psi = 2.0 * framed.phases(choice.step)[judges]
         gradient = (4.0 * np.pi / choice.step) * framed.gradient(judges)
         search = LockSearch(psi, gradient, expected, REACH, weight=np.ones(len(psi)))
-        for lock in search.polished(search.rough(CORRECTIONS)):
+        # Where shapes repeat, other corrections lock as well, half a step away: the true one is next to none.
+        for lock in search.polished([search.at_rest(), *search.rough(CORRECTIONS)]):
             corrected = framed.corrected(lock.correction)
             yield corrected.reading(choice, hypotheses * search.tried)
 
@@ -155,40 +159,34 @@ class Framed:
                 chances += groups.chances(wave[carries], float(step), mode, self.readable)
             if chances:
                 chance, choice = min(chances, key=lambda entry: entry[0])
-                yield PointLock(log10_chance=chance, framed=self, choice=choice)
+                yield PointLock(log10_loose=chance, framed=self, choice=choice)
 
     def best_at(self, step: float) -> Choice:
         """Return the choice of a step, one of `STEPS`, that locks best."""
         return min(
             (self.best_share(Choice(step=step, mode=mode, share=1.0)) for mode in range(len(MODES))),
-            key=lambda each: self.reading(each, 1.0).log10_chance,
+            key=self._loose_chance,
         )
 
     def best_share(self, choice: Choice) -> Choice:
         """Return the choice with the share that locks best, judged by all coordinates."""
-        locks = [replace(choice, share=share) for share in SHARES]
-        carries = self.carrying(max(locks, key=lambda each: each.share))
-        draw, group = self.keys.draw[carries], self.group[carries]
-        wave = np.exp(2j * self.phases(choice.step)[carries])
+        return min((replace(choice, share=share) for share in SHARES), key=self._loose_chance)
 
-        def chance(lock: Choice) -> float:
-            kept = draw < lock.cut
-            real, square = _summed(wave[kept], group[kept])
-            return self._chance(float(real.sum()), square)
-
-        return min(locks, key=chance)
+    def _loose_chance(self, choice: Choice) -> float:
+        carries = self.carrying(choice)
+        score, sizes = _summed(np.exp(2j * self.phases(choice.step)[carries]), self.group[carries])
+        return log10_loose_chance(score, float(sizes @ sizes))
 
     def reading(self, choice: Choice, hypotheses: float) -> Reading:
         """Return what the points say under a choice."""
         carries = self.carrying(choice)
         phase = self.phases(choice.step)[carries]
-        real, square = _summed(np.exp(2j * phase), self.group[carries])
+        score, sizes = _summed(np.exp(2j * phase), self.group[carries])
         keys = CellKeys(
             code_index=self.keys.code_index[carries],
             dither=self.keys.dither[carries],
             pilot=np.zeros(len(phase), bool),
         )
-        score = float(real.sum())
         return Reading(
             label=self.lattice.label,
             spacing=SIDE,
@@ -197,39 +195,34 @@ class Framed:
             keys=keys,
             phase=phase,
             score=score,
-            log10_chance=self._chance(score, square),
+            log10_chance=log10_lock_chance(score, sizes),
             hypotheses=hypotheses,
         )
 
     def lock_chance(self, carries: NDArray[np.bool_], step: float) -> float:
         """Return log10 of the chance of the phases of coordinates (p, 3) that say 0 on every copy."""
-        real, square = _summed(np.exp(1j * self.phases(step)[carries]), self.group[carries])
-        return self._chance(float(real.sum()), square)
+        return log10_lock_chance(*_summed(np.exp(1j * self.phases(step)[carries]), self.group[carries]))
 
     @property
     def readable(self) -> int:
         """The number of coordinates from which on they are read."""
-        return READABLE[0] if self._is_few else READABLE[1]
-
-    @property
-    def _is_few(self) -> bool:
-        return len(self.points) < FEW_POINTS
-
-    def _chance(self, score: float, square: FloatArray) -> float:
-        """Return the chance of a lock from the squares of the sums of its groups (g,)."""
-        if self._is_few:
-            return log10_lock_chance_of_few(score, np.sqrt(square))
-        return _log10_chance(score, float(square.sum()))
+        return READABLE[0] if len(self.points) < FEW_POINTS else READABLE[1]
 
 
 def _phases(places: FloatArray, step: float, dither: FloatArray) -> FloatArray:
     return np.asarray(2.0 * np.pi * (places / step - dither))
 
 
-def _summed(wave: NDArray[np.complex128], group: IntArray) -> tuple[FloatArray, FloatArray]:
+def _sums(wave: NDArray[np.complex128], group: IntArray) -> tuple[FloatArray, FloatArray]:
     """Return the real part of the sum of the waves of each group, and the square of its size."""
     real, imaginary = (np.bincount(group, part).astype(np.float64) for part in (wave.real, wave.imag))
     return real, real**2 + imaginary**2
+
+
+def _summed(wave: NDArray[np.complex128], group: IntArray) -> tuple[float, FloatArray]:
+    """Return the real part of the sum of all waves, and the size of the sum of each group."""
+    real, square = _sums(wave, group)
+    return float(real.sum()), np.sqrt(square)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -265,20 +258,13 @@ class _Groups:
         """Return the chance of the lock of each share that has at least so many coordinates, of waves (n,)."""
         if not len(wave):
             return []
-        real, square = (np.cumsum(each) for each in _summed(wave, self.number))
+        real, square = _sums(wave, self.number)
+        score, squares = np.cumsum(real), np.cumsum(square)
         chances = []
         for share in SHARES:
             choice = Choice(step=step, mode=mode, share=share)
             end = int(np.searchsorted(self.draws, choice.cut)) - 1
             if end < 0 or self.count[end] < readable:
                 break
-            chances.append((_log10_chance(float(real[end]), float(square[end])), choice))
+            chances.append((log10_loose_chance(float(score[end]), float(squares[end])), choice))
         return chances
-
-
-def _log10_chance(score: float, squares: float) -> float:
-    """Bound log10 of the chance that groups of coordinates reach a score without a mark.
-
-    The key turns the sum of the waves of a group by a uniform angle; for |z| cos(angle) as in `log10_lock_chance`.
-    """
-    return -(score * score) / (squares * np.log(10.0)) if score > 0.0 else 0.0

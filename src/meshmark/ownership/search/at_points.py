@@ -71,7 +71,7 @@ def _swept_readings(
     swept.sort(key=lambda entry: -entry[0])
     for _, frame, lattice in swept[:SWEPT]:
         framed = Framed.of(search.surface, carried, frame, lattice)
-        lock = min(framed.locks(), key=lambda each: each.log10_chance, default=None)
+        lock = min(framed.locks(), key=lambda each: each.log10_loose, default=None)
         if lock is not None:
             yield from lock.readings(charge, frame.moments)
 
@@ -87,6 +87,6 @@ def _readings(
             charge = search.trials.charge() * CHOICES
             framed = Framed.of(search.surface, carried, turned, lattice)
             found += [(lock, charge) for lock in framed.locks()]
-    found.sort(key=lambda entry: entry[0].log10_chance)
+    found.sort(key=lambda entry: entry[0].log10_loose)
     for lock, charge in found[:DECODED]:
         yield from lock.readings(charge, turns[0].moments)

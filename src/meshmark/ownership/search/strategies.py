@@ -112,7 +112,6 @@ STRATEGIES: tuple[Strategy, ...] = (
         readings=late_function("meshmark.ownership.search.at_points", "registered_readings_of_points"),
         applies=_may_be_at_points,
         cost=10.0,
-        decode_below=DECODE_LOG10,
         by_reference=True,
     ),
     Strategy(

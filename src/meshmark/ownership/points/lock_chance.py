@@ -1,0 +1,63 @@
+"""The chance of a lock of points: a bound that counts how exactly the coordinates lie on their places."""
+
+from __future__ import annotations
+
+from math import log
+from typing import Final
+
+import numpy as np
+
+from meshmark.mesh import FloatArray
+
+__all__ = ["LOOSE", "log10_lock_chance", "log10_loose_chance"]
+
+LOOSE: Final = 0.5
+"""Up to this mean resultant length the loose bound serves: the other one is less than a tenth better."""
+# Exponents of Chernoff's bound that are tried, over the one that is best for groups of one size.
+_EXPONENTS: Final = 2.0 ** np.arange(-2.0, 4.5, 0.5)
+
+
+def log10_lock_chance(score: float, sizes: FloatArray) -> float:
+    """Bound log10 of the chance that groups of coordinates reach a score without a mark.
+
+    The key turns the sum of the waves of each group by a uniform angle, and E exp(l z cos) = I_0(l z), so that the
+    chance is at most prod I_0(l z_g) exp(-l score) for every l > 0, of which the best of a few is taken. The bound
+    exp(-score^2 / sum z^2) follows from it by I_0(x) <= exp(x^2 / 4), and is far above it where all angles are
+    small.
+
+    Parameters
+    ----------
+    score : float
+        Sum of the real parts of the sums of the groups.
+    sizes : (g,) float array
+        Of these sums.
+    """
+    total = float(sizes.sum())
+    if score <= 0.0 or total <= 0.0:
+        return 0.0
+    loose = log10_loose_chance(score, float(sizes @ sizes))
+    length = min(score / total, 1.0)
+    if length < LOOSE:
+        return loose
+    from scipy.special import i0e  # takes as long to import as a small model to read
+
+    exponent = _EXPONENTS * (_concentration(length) * np.count_nonzero(sizes) / total)
+    scaled = exponent[:, None] * sizes
+    bounds = (np.log(i0e(scaled)) + scaled).sum(axis=1) - exponent * score
+    return min(loose, float(bounds.min()) / log(10.0))
+
+
+def log10_loose_chance(score: float, squares: float) -> float:
+    """Bound the same by the sum of the squares of the sizes alone."""
+    return -(score * score) / (squares * log(10.0)) if score > 0.0 else 0.0
+
+
+def _concentration(length: float) -> float:
+    """Return about the concentration of angles of this mean resultant length, at least `LOOSE`.
+
+    Mardia & Jupp, Directional Statistics (2000), section 5.3.1.
+    """
+    left = max(1.0 - length, 1e-12)
+    if length < 0.85:
+        return -0.4 + 1.39 * length + 0.43 / left
+    return 1.0 / (left * (2.0 * length - length * length))
