@@ -163,10 +163,15 @@ class Framed:
 
     def best_at(self, step: float) -> Choice:
         """Return the choice of a step, one of `STEPS`, that locks best."""
-        return min(
-            (self.best_share(Choice(step=step, mode=mode, share=1.0)) for mode in range(len(MODES))),
-            key=self._loose_chance,
-        )
+        return min(self.locks_at(step), key=lambda lock: lock.log10_loose).choice
+
+    def locks_at(self, step: float) -> list[PointLock]:
+        """Return the best choice of each mode for a step, one of `STEPS`."""
+        choices = [self.best_share(Choice(step=step, mode=mode, share=1.0)) for mode in range(len(MODES))]
+        return [
+            PointLock(log10_loose=self._loose_chance(choice), framed=self, choice=choice)
+            for choice in choices
+        ]
 
     def best_share(self, choice: Choice) -> Choice:
         """Return the choice with the share that locks best, judged by all coordinates."""

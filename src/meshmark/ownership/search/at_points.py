@@ -4,17 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
+import numpy as np
+
+from meshmark.certificate.certificate import Certificate
 from meshmark.geometry.frame import Frame, frame_alternatives
 from meshmark.ownership.carriers.lattice_label import Label
 from meshmark.ownership.carriers.reading import Reading
 from meshmark.ownership.parameters import SURELY_SKEW as SURELY_SKEW_OF_CELLS
 from meshmark.ownership.points.carried_coordinates import Carried
 from meshmark.ownership.points.frame_sweep import sweep
-from meshmark.ownership.points.parameters import MOST_POINTS, SURELY_SKEW
+from meshmark.ownership.points.parameters import MODES, MOST_POINTS, SHARES, STEPS, SURELY_SKEW
 from meshmark.ownership.points.point_lattice import PointLattice
 from meshmark.ownership.points.point_reading import CHOICES, Framed, PointLock
 from meshmark.ownership.search.search import Search
-from meshmark.ownership.search.starting_frames import corner_frames, label_of, starting_frames
+from meshmark.ownership.search.starting_frames import label_of, registered_frames
 
 __all__ = ["readings_of_points", "registered_readings_of_points"]
 
@@ -42,17 +45,26 @@ def readings_of_points(search: Search, *, swept: bool = True) -> Iterator[Readin
 
 
 def registered_readings_of_points(search: Search) -> Iterator[Reading]:
-    """Yield the readings in frames that the reference gives."""
+    """Yield the readings in frames that the reference gives; a certificate tells the step, too."""
     reference = search.reference
     if reference is None or len(search.surface.points) > MOST_POINTS:
         return
     label = label_of(reference, search.key)
-    surface = search.surface
-    for frame in corner_frames(surface, reference):
-        yield from _readings(search, Carried.of(surface, frame), (frame,), (label,))
-    # Landmarks cost more, and are looked at only where what the corners tell is not it.
-    for frame in starting_frames(surface, reference, search.scales):
-        yield from _readings(search, Carried.of(surface, frame), (frame,), (label,))
+    for frame in registered_frames(search.surface, reference, search.scales):
+        carried = Carried.of(search.surface, frame)
+        if isinstance(reference, Certificate):
+            yield from _readings_at(search, carried, label, reference.step * reference.spacing)
+        else:
+            yield from _readings(search, carried, (frame,), (label,))
+
+
+def _readings_at(search: Search, carried: Carried, label: Label, step: float) -> Iterator[Reading]:
+    """Yield the readings of all modes in the frame of `carried`, at that of `STEPS` which is nearest to a step."""
+    charge = search.trials.charge() * len(MODES) * len(SHARES)
+    framed = Framed.of(search.surface, carried, carried.frame, search.point_lattice(label))
+    nearest = float(STEPS[np.argmin(np.abs(STEPS - step))])
+    for lock in sorted(framed.locks_at(nearest), key=lambda each: each.log10_loose):
+        yield from lock.readings(charge, carried.frame.moments)
 
 
 def _swept_readings(

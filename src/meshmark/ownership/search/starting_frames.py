@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from meshmark.certificate.certificate import Certificate
@@ -18,10 +18,25 @@ from meshmark.mesh import Mesh
 from meshmark.ownership.carriers.lattice_label import Label
 from meshmark.scene.surfaces import marked_surface
 
-__all__ = ["ORIGINAL_LANDMARKS", "corner_frames", "frame_of", "label_of", "starting_frames"]
+__all__ = [
+    "ORIGINAL_LANDMARKS",
+    "corner_frames",
+    "frame_of",
+    "label_of",
+    "registered_frames",
+    "starting_frames",
+]
 
 # An original may be asked for more landmarks than a certificate holds.
 ORIGINAL_LANDMARKS = 500
+
+
+def registered_frames(
+    suspect: Surface, reference: Certificate | Mesh, scales: Sequence[float]
+) -> Iterator[Frame]:
+    """Yield `corner_frames`, then `starting_frames`, which cost more, where what the former tell is not it."""
+    yield from corner_frames(suspect, reference)
+    yield from starting_frames(suspect, reference, scales)
 
 
 def starting_frames(

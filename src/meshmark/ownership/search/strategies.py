@@ -99,7 +99,6 @@ STRATEGIES: tuple[Strategy, ...] = (
         cost=1.0,
         decode_below=DECODE_LOG10,
     ),
-    replace(_POINTS, name="points after cells", applies=_suits_cells),
     Strategy(
         name="copies of one mesh once",
         readings=late_function("meshmark.ownership.search.other_surfaces", "readings_of_copies"),
@@ -121,6 +120,7 @@ STRATEGIES: tuple[Strategy, ...] = (
         cost=60.0,
         by_reference=True,
     ),
+    replace(_POINTS, name="points after cells", applies=_suits_cells),
     Strategy(
         name="mirrored",
         readings=late_function("meshmark.ownership.search.other_surfaces", "mirrored_readings"),
