@@ -37,7 +37,10 @@ SLOWEST = (
 
 
 # Ways of searching that read the surface as it stands, or by a reference.
-CHEAP = {"as it stands", "points as they stand", "points after cells", "registered", "points registered"}
+CHEAP = {
+    "as it stands", "points as they stand", "points after cells", "points after the certificate",
+    "registered", "points registered",
+}  # fmt: skip
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

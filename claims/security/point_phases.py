@@ -43,7 +43,7 @@ def cubes_of(marked: Mesh, mark: OwnershipMark) -> Cubes:
     """Return the phases, in turns, of one point of each cube of the lattice of a mark at points."""
     surface = surface_of(marked)
     lattice = PointLattice.keyed(KEY, mark.label)
-    framed = Framed.of(surface, Carried.of(surface, surface.frame), surface.frame, lattice)
+    framed = Framed.of(surface, Carried.of(surface, mark.frame), mark.frame, lattice)
     step = mark.step * SIDE
     carries = framed.carrying(framed.best_at(step))
     names, first = np.unique(lattice.cubes(framed.points), axis=0, return_index=True)

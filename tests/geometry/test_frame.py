@@ -7,14 +7,7 @@ import pytest
 
 from meshmark.coding.keyed import rotation
 from meshmark.errors import InputError
-from meshmark.geometry.frame import (
-    canonical_frame,
-    frame_alternatives,
-    nearest_turn,
-    signed_axes,
-    surface_moments,
-)
-from meshmark.geometry.similarity import rotation_of
+from meshmark.geometry.frame import canonical_frame, frame_alternatives, signed_axes, surface_moments
 from tests.counting import some
 from tests.shapes import pebble
 
@@ -93,15 +86,6 @@ def test_alternatives_are_the_four_proper_sign_patterns_and_exchanges_only_where
     sphere = replace(ring, moments=np.array([0.34, 0.33, 0.33]), skewness=np.zeros(3))
     wide = [sphere.axes.T @ other.axes for other in frame_alternatives(sphere, exchange=True)]
     assert len({tuple(np.round(turn, 6).ravel()) for turn in wide}) == 24  # all rotations of a cube
-
-
-def test_the_nearest_turn_is_that_whose_axes_are_nearest():
-    points, faces = pebble(24)
-    frame = replace(canonical_frame(points, faces), moments=np.array([0.34, 0.33, 0.33]))
-    slightly = rotation_of(np.array([0.02, -0.01, 0.03]))
-    for turned in some(frame_alternatives(frame, exchange=True), least=24):
-        found = nearest_turn(frame, turned.axes @ slightly)
-        np.testing.assert_array_equal(found.axes, turned.axes)
 
 
 def test_no_area_is_refused_in_one_sentence():

@@ -15,10 +15,12 @@ from meshmark.certificate.certify import certify
 from meshmark.coding.keys import Key
 from meshmark.errors import InputError
 from meshmark.geometry.areas import vertex_normals
+from meshmark.marking import embed
 from meshmark.marking.undo import FIELD, sealed, unmark, with_undo
 from meshmark.mesh import Mesh
 from tests.counting import Share
 from tests.keys import KEY
+from tests.low_poly import box, prism
 from tests.shapes import pebble
 
 
@@ -110,6 +112,19 @@ def test_a_turned_scaled_and_moved_copy_in_single_precision_is_unmarked(models):
     found = unmark(copy, KEY, certificate)
     assert off(found.mesh, placed(original.vertices)) < 1e-6
     assert not found.exact
+
+
+@pytest.mark.parametrize("shape", [box((6, 5, 4), (3.0, 2.0, 1.3)), prism(16, 6, 3.0)], ids=["box", "prism"])
+def test_a_moved_copy_of_a_symmetric_model_is_unmarked(shape):
+    """Its own frame may be any of several turns; in the wrong one the mark would be put in a second time."""
+    original = Mesh(*shape)
+    made = embed(original, KEY, id=7, layers="ownership")
+    assert off(made.mesh, original.vertices) > 1e-4
+    for angles in ([1.0, 2.0, 3.0], [0.5, -2.0, 1.0], [3.0, 0.3, -1.0]):
+        turn = Rotation.from_euler("xyz", angles).as_matrix()
+        copy = Mesh(2.5 * made.mesh.vertices @ turn.T + [1.0, 2.0, -3.0], original.faces)
+        found = unmark(copy, KEY, made.certificate)
+        assert off(found.mesh, 2.5 * original.vertices @ turn.T + [1.0, 2.0, -3.0]) < 1e-6
 
 
 def test_the_certificate_keeps_it_through_a_file(models, tmp_path):

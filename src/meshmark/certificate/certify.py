@@ -6,11 +6,11 @@ from typing import Final
 
 from meshmark.certificate.certificate import Certificate
 from meshmark.certificate.certificate_fields import packed, packed_corners, unpacked
-from meshmark.geometry.frame import nearest_turn
+from meshmark.geometry.frame import Frame
 from meshmark.geometry.registration.corner_matching import corners_to_keep
 from meshmark.geometry.registration.prepared_surface import PreparedSurface
 from meshmark.geometry.shown import Shown
-from meshmark.mesh import FloatArray, Mesh
+from meshmark.mesh import Mesh
 from meshmark.scene.surfaces import marked_surface, only_repeated
 
 __all__ = ["LANDMARKS", "NO_LATTICE", "certify"]
@@ -28,7 +28,7 @@ def certify(
     strength: str,
     *,
     lattice: str = NO_LATTICE,
-    axes: FloatArray | None = None,
+    frame: Frame | None = None,
     repeated_only: bool = False,
     at_points: bool = False,
 ) -> Certificate:
@@ -45,9 +45,8 @@ def certify(
         "subtle", "standard" or "strong".
     lattice : str
         Its label, 32 hexadecimal digits; that of a model without the ownership layer by default.
-    axes : (3, 3) float array, optional
-        Of the frame that the mark was made in: it may have turned round that of the surface, which is nearly
-        symmetric then.
+    frame : Frame, optional
+        That the mark was made in; by default that of the mesh itself, which the mark may have moved.
     repeated_only : bool
         The mark lies only in the part of the scene that is shown more than once.
     at_points : bool
@@ -65,7 +64,7 @@ def certify(
     surface = marked_surface(mesh)
     if repeated_only and isinstance(surface, Shown):
         surface = next(only_repeated(surface), surface)
-    frame = surface.frame if axes is None else nearest_turn(surface.frame, axes)
+    frame = surface.frame if frame is None else frame
     landmarks = PreparedSurface(surface.points, surface.faces, frame).landmarks(LANDMARKS)
     corners = corners_to_keep(frame.to_canonical(surface.points), surface.faces)
     more = {"carriers": "points" if at_points else "cells", "corners": packed_corners(corners)}

@@ -17,15 +17,7 @@ from meshmark.geometry.areas import face_areas, sum_at_points
 from meshmark.geometry.blocks import LARGE, blocks
 from meshmark.mesh import FloatArray, IntArray
 
-__all__ = [
-    "MIRROR",
-    "Frame",
-    "canonical_frame",
-    "frame_alternatives",
-    "nearest_turn",
-    "signed_axes",
-    "surface_moments",
-]
+__all__ = ["MIRROR", "Frame", "canonical_frame", "frame_alternatives", "signed_axes", "surface_moments"]
 
 # Axes whose second moments differ by less than this share of their sum may change places under an attack.
 SWAP_GAP = 0.04
@@ -191,8 +183,3 @@ def frame_alternatives(frame: Frame, exchange: bool = False, surely_skew: float 
                 continue
             turned = np.ascontiguousarray(axes * np.array(signs, dtype=float))
             yield replace(frame, axes=turned)
-
-
-def nearest_turn(frame: Frame, axes: FloatArray) -> Frame:
-    """Return that of the turns of a frame whose axes lie nearest to others (3, 3)."""
-    return max(frame_alternatives(frame, True), key=lambda turned: float((turned.axes * axes).sum()))

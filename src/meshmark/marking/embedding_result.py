@@ -123,7 +123,7 @@ class Embedding:
                 mark.step,
                 self.strength,
                 lattice=str(mark.label),
-                axes=mark.axes,
+                frame=mark.frame,
                 repeated_only=mark.repeated_only,
                 at_points=mark.at_points,
             )

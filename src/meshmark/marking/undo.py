@@ -27,12 +27,14 @@ from meshmark.errors import InputError
 from meshmark.geometry.adjacency import adjacency, unique_edges
 from meshmark.geometry.areas import vertex_normals
 from meshmark.geometry.extent import diagonal
-from meshmark.geometry.frame import Frame, frame_alternatives, nearest_turn
+from meshmark.geometry.frame import Frame, frame_alternatives
 from meshmark.geometry.kd_tree import kd_tree
+from meshmark.geometry.registration.corner_matching import match_corners
 from meshmark.geometry.surface import Surface
 from meshmark.geometry.surface_of import surface_of
 from meshmark.io.file_precision import conform
 from meshmark.mesh import FloatArray, IntArray, Mesh
+from meshmark.ownership.search.starting_frames import frame_of
 from meshmark.scene.distinct import distinct
 from meshmark.scene.surfaces import surfaces_to_read
 
@@ -47,10 +49,10 @@ _SEAL = "undo seal"
 DIGEST_BYTES = 16
 # Vertices are coded in levels, each predicted from those before it: (one vertex in N, edges averaged over).
 LEVELS = ((256, 0), (64, 16), (16, 8), (4, 4), (1, 2))
-# A frame this near the certificate's is the same: what is left is rounding.
+# Corners this near to points, in units of the frame, are where the certificate says: what is left is rounding.
 SAME = 1e-6
 # The area of a surface over its size squared, in its own frame and in the certificate's, differs by less than this.
-SAME_AREA = 1e-4
+SAME_AREA = 1e-2
 _FILTERS = [{"id": lzma.FILTER_LZMA2, "preset": 6}]
 
 
@@ -186,28 +188,33 @@ def _digest(array: FloatArray | IntArray) -> bytes:
 
 
 def _frame(mesh: Mesh, certificate: Certificate) -> Frame:
-    """Return the certificate's frame where the mesh lies there, else that of the mesh which landmarks confirm."""
+    """Return the certificate's frame where the mesh lies there, else that in which its corners lie on the mesh.
+
+    A certificate without corners has landmarks, which say in which turn of the mesh's own frame it lies.
+    """
     signed = certificate.frame
-    surface, own = _signed_off(mesh, signed)
-    off = np.linalg.norm(own.centre - signed.centre) / signed.scale + abs(own.scale / signed.scale - 1.0)
-    if off + np.abs(nearest_turn(own, signed.axes).axes - signed.axes).max() < SAME:
-        return signed
-    landmarks = certificate.landmarks.places
-    if not len(landmarks):
-        return own
+    surface = _signed_off(mesh, signed)
     tree = kd_tree(surface.points)
-    frames = list(frame_alternatives(own, True))
-    left = [float(np.mean(tree.query(frame.to_scene(landmarks))[0])) for frame in frames]
-    return frames[int(np.argmin(left))]
+    corners = certificate.corners
+    places = corners.reshape(-1, 3) if len(corners) else certificate.landmarks.places
+
+    def left(frame: Frame) -> float:
+        """Return how far places of the certificate are from points, on average, in units of the frame."""
+        return float(np.mean(tree.query(frame.to_scene(places))[0])) / frame.scale if len(places) else 0.0
+
+    if len(corners) and left(signed) < SAME:
+        return signed
+    frames = [frame_of(fit, signed) for fit in match_corners(corners, surface.points, surface.faces)]
+    return min([*frames, *frame_alternatives(surface.frame, True)], key=left)
 
 
-def _signed_off(mesh: Mesh, signed: Frame) -> tuple[Surface, Frame]:
-    """Return the surface whose frame was signed, of a scene perhaps that without its copies; and its own frame."""
+def _signed_off(mesh: Mesh, signed: Frame) -> Surface:
+    """Return the surface that was signed: of a scene perhaps that without its copies."""
     found = []
     for surface in surfaces_to_read(mesh):
-        found.append((surface, surface.frame))
-        if abs(found[-1][1].area / signed.area - 1.0) < SAME_AREA:
-            return found[-1]
+        found.append(surface)
+        if abs(surface.frame.area / signed.area - 1.0) < SAME_AREA:
+            return surface
     return found[0]
 
 

@@ -20,8 +20,7 @@ def carrying_points(task: EmbeddingTask, owned: Owned) -> NDArray[np.bool_]:
     if not owned.mark.at_points or len(surface.points) != len(task.surface.points):
         return np.zeros(len(task.surface.points), bool)
     lattice = PointLattice.keyed(task.key, owned.mark.label)
-    # In the frame that was held: that of the marked surface may be another turn of it.
-    frame = task.surface.frame
+    frame = owned.mark.frame
     framed = Framed.of(surface, Carried.of(surface, frame), frame, lattice)
     choice = framed.best_at(owned.mark.step * owned.mark.spacing)
     return np.asarray(framed.carrying(choice).any(axis=1))

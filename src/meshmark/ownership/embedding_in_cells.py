@@ -110,7 +110,7 @@ def _read_back(task: EmbeddingTask, shaping: Shaping) -> Owned | None:
         if found.id == task.identity:
             mark = OwnershipMark(
                 carriers=found.carriers,
-                axes=surface.frame.axes,
+                frame=surface.frame,
                 label=shaping.lattice.label,
                 spacing=shaping.lattice.spacing,
                 step=float(step),

@@ -83,7 +83,7 @@ def embed_in_points(task: EmbeddingTask) -> Owned:
             step /= SIDE
             mark = OwnershipMark(
                 carriers=carriers,
-                axes=task.surface.frame.axes,
+                frame=task.surface.frame,
                 label=task.label,
                 spacing=SIDE,
                 step=step,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from meshmark.mesh import FloatArray
+from meshmark.geometry.frame import Frame
 from meshmark.ownership.carriers.lattice_label import Label
 
 __all__ = ["OwnershipMark", "noise_borne"]
@@ -26,16 +26,16 @@ def noise_borne(step: float, carried: float, bits: int = 64) -> float:
 class OwnershipMark:
     """A mark of the ownership layer that was read back.
 
-    carriers: number of cells, or of coordinates of points, that an extraction reads. axes: (3, 3) of the frame that
-    it was made in, of which that of the marked surface may be another turn. label, spacing: of the lattice, in
-    canonical units. step: of the quantisation, in spacings. at_points: the carriers are points instead
-    of cells. repeated_only: the mark lies only in the part of the scene that is shown more than once. bits: of the
-    id, 64 or 32; 0: there is none. parts: numbers, among the `assembly_parts` of the surface, of those that carry
-    the id on frames of their own besides.
+    carriers: number of cells, or of coordinates of points, that an extraction reads. frame: that it was made in.
+    That of the marked surface differs a little, and may be another turn where the model is nearly symmetric. label,
+    spacing: of the lattice, in canonical units. step: of the quantisation, in spacings. at_points: the carriers are
+    points instead of cells. repeated_only: the mark lies only in the part of the scene that is shown more than
+    once. bits: of the id, 64 or 32; 0: there is none. parts: numbers, among the `assembly_parts` of the surface, of
+    those that carry the id on frames of their own besides.
     """
 
     carriers: int
-    axes: FloatArray = field(repr=False, compare=False)
+    frame: Frame = field(repr=False, compare=False)
     label: Label
     spacing: float
     step: float

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -16,7 +17,7 @@ from meshmark.ownership.points.carried_coordinates import Carried
 from meshmark.ownership.points.parameters import MODES, SHARES, STEPS
 from meshmark.ownership.points.point_choice import Choice
 from meshmark.ownership.points.point_lattice import PointLattice
-from meshmark.ownership.points.point_reading import CHOICES, Framed
+from meshmark.ownership.points.point_reading import CHOICES, Framed, PointLock
 from tests.counting import some
 from tests.low_poly import ball, sheet
 
@@ -77,16 +78,37 @@ def test_the_best_of_all_choices_locks_by_chance_no_oftener_than_all_of_them_may
 
 def test_locks_are_those_that_readings_have():
     framed = drawn()[3]
-    locks = some(framed.locks(), len(STEPS) // 2)
+    locks = some(framed.locks(), len(STEPS))
+    assert {lock.choice.mode for lock in locks} == set(range(len(MODES)))
     for lock in locks:
         assert framed.reading(lock.choice, 1.0).log10_chance == pytest.approx(lock.log10_loose, abs=1e-9)
-        others = [
-            framed.reading(Choice(step=lock.choice.step, mode=mode, share=share), 1.0)
-            for mode in range(len(MODES))
-            for share in SHARES
-        ]
+        others = [framed.reading(replace(lock.choice, share=share), 1.0) for share in SHARES]
         enough = [each.log10_chance for each in others if len(each.phase) >= 100]
         assert min(some(enough)) > lock.log10_loose - 1e-9
+
+
+@pytest.mark.parametrize(("clumps", "points"), [(3, 14), (5, 8), (6, 7)])
+def test_a_fitted_frame_locks_by_chance_no_oftener_than_it_says(clumps, points):
+    """Few groups, and seven parts of a correction that bring them to exact phases."""
+    rng = np.random.default_rng(clumps)
+    places = np.repeat(rng.uniform(-1.0, 1.0, (clumps, 3)), points, axis=0)
+    places += rng.uniform(-2e-3, 2e-3, places.shape)
+    everywhere = np.ones((len(places), 3), bool)
+    told = []
+    for _ in range(150):
+        lattice = PointLattice.keyed(Key(rng.bytes(32)), LABEL)
+        framed = Framed._at(
+            places, (everywhere,) * len(MODES), np.ones((len(STEPS), len(places)), bool), lattice
+        )
+        lock = PointLock(
+            log10_loose=0.0, framed=framed, choice=Choice(step=float(STEPS[9]), mode=2, share=1.0)
+        )
+        _, *corrected = lock.readings(1.0, np.array([0.5, 0.3, 0.2]))
+        if corrected:  # more than a few coordinates carry under the share that locks best
+            told += [min(each.log10_chance + np.log10(each.hypotheses) for each in corrected)]
+    assert len(told) > 50
+    assert below(told, 1) <= 0.1 + 3.0 * np.sqrt(0.1 / len(told))
+    assert below(told, 2) <= 0.01 + 3.0 * np.sqrt(0.01 / len(told))
 
 
 def test_a_step_without_room_is_not_read():

@@ -78,7 +78,7 @@ class LockSearch:
         return distinguished(self._grid, self._response)
 
     def at_rest(self) -> Lock:
-        """Return no correction."""
+        """Return the lock without any correction."""
         return self._lock(np.zeros(len(self._back)))
 
     def rough(self, keep: int) -> list[Lock]:

@@ -14,7 +14,7 @@ from meshmark.ownership.points.carried_coordinates import Carried
 from meshmark.ownership.points.parameters import STEPS
 from meshmark.ownership.points.point_lattice import PointLattice
 
-__all__ = ["sweep"]
+__all__ = ["peaks", "sweep"]
 
 # Where moments are alike their axes turn: by so much, in radians, over the gap between them, and at most.
 TURNS, MOST = 1e-4, 0.06
@@ -27,8 +27,8 @@ APART, JUDGES, COARSE = 6e-4, 250, 6
 def sweep(carried: Carried, frame: Frame, lattice: PointLattice) -> list[tuple[float, Frame]]:
     """Return frames about `frame`, turned about the axis that stands out, with how well points lock there.
 
-    Empty where the moments are apart, or more alike than an embedding leaves them, or nothing has room for a step.
-    A score is of the best step, in standard deviations of chance.
+    In the order of their angles. Empty where the moments are apart, or more alike than an embedding leaves them, or
+    nothing has room for a step. A score is of the best step, in standard deviations of chance.
 
     Parameters
     ----------
@@ -57,6 +57,13 @@ def sweep(carried: Carried, frame: Frame, lattice: PointLattice) -> list[tuple[f
         (float(score), replace(frame, axes=np.ascontiguousarray(frame.axes @ turn)))
         for score, turn in zip(scores, turned, strict=True)
     ]
+
+
+def peaks(swept: list[tuple[float, Frame]]) -> list[tuple[float, Frame]]:
+    """Return those frames of a sweep, in its order, whose neighbours score no more."""
+    scores = np.array([-np.inf, *(score for score, _ in swept), -np.inf])
+    tops = (scores[1:-1] >= scores[:-2]) & (scores[1:-1] >= scores[2:])
+    return [swept[row] for row in np.flatnonzero(tops)]
 
 
 def _scores(placed: FloatArray, lattice: PointLattice, axes: list[int]) -> FloatArray:

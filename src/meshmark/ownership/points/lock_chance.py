@@ -12,12 +12,14 @@ from meshmark.mesh import FloatArray
 __all__ = ["LOOSE", "log10_lock_chance", "log10_loose_chance"]
 
 LOOSE: Final = 0.5
-"""Up to this mean resultant length the loose bound serves: the other one is less than a tenth better."""
+"""Up to this mean resultant length the loose bound serves: of groups of one size it is nearly the other."""
+# A fitted frame is the best of the hypotheses that are charged, within this share of the sizes (`lock_grid.FINER`).
+_FITTED: Final = 0.03
 # Exponents of Chernoff's bound that are tried, over the one that is best for groups of one size.
 _EXPONENTS: Final = 2.0 ** np.arange(-2.0, 4.5, 0.5)
 
 
-def log10_lock_chance(score: float, sizes: FloatArray) -> float:
+def log10_lock_chance(score: float, sizes: FloatArray, *, fitted: bool = False) -> float:
     """Bound log10 of the chance that groups of coordinates reach a score without a mark.
 
     The key turns the sum of the waves of each group by a uniform angle, and E exp(l z cos) = I_0(l z), so that the
@@ -31,11 +33,15 @@ def log10_lock_chance(score: float, sizes: FloatArray) -> float:
         Sum of the real parts of the sums of the groups.
     sizes : (g,) float array
         Of these sums.
+    fitted : bool
+        The frame was corrected so that the score is at its top. The corrections that are charged come near to it
+        only, and next to exact phases a little of the score is worth much.
     """
     total = float(sizes.sum())
     if score <= 0.0 or total <= 0.0:
         return 0.0
     loose = log10_loose_chance(score, float(sizes @ sizes))
+    score -= _FITTED * total if fitted else 0.0
     length = min(score / total, 1.0)
     if length < LOOSE:
         return loose
@@ -60,4 +66,4 @@ def _concentration(length: float) -> float:
     left = max(1.0 - length, 1e-12)
     if length < 0.85:
         return -0.4 + 1.39 * length + 0.43 / left
-    return 1.0 / (left * (2.0 * length - length * length))
+    return 1.0 / (left * (2.0 - left - left * left))

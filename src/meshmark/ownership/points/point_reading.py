@@ -13,7 +13,7 @@ from meshmark.geometry.surface import Surface
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.ownership.carriers.lattice import CellKeys
 from meshmark.ownership.carriers.lock import LockSearch
-from meshmark.ownership.carriers.pose import Pose, moved_along
+from meshmark.ownership.carriers.pose import POSE_SIZE, Pose, moved_along
 from meshmark.ownership.carriers.reading import Reading
 from meshmark.ownership.points.carried_coordinates import Carried
 from meshmark.ownership.points.lock_chance import log10_lock_chance, log10_loose_chance
@@ -32,13 +32,15 @@ SCREENED = 8000
 EXPECTED, TURNED, TURNED_MOST, REACH = 0.25, 2e-5, 0.008, 2.5
 # Corrections that are tried, and coordinates that they are judged by.
 CORRECTIONS, JUDGES = 2, 1000
+# Corrections that differ by less, in standard deviations of each part, are one.
+SAME = 0.02
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PointLock:
     """A choice, where it locks in a frame, and its `log10_loose_chance`, by which choices are compared.
 
-    The closer bound prefers small shares of a mark that happen to hold no point that could not be set.
+    The closer bound prefers small shares of a mark that happen to contain only points that could be set.
     """
 
     log10_loose: float
@@ -62,8 +64,12 @@ class PointLock:
         psi = 2.0 * framed.phases(choice.step)[judges]
         gradient = (4.0 * np.pi / choice.step) * framed.gradient(judges)
         search = LockSearch(psi, gradient, expected, REACH, weight=np.ones(len(psi)))
-        # Where shapes repeat, other corrections lock as well, half a step away: the true one is next to none.
+        # Where shapes repeat, other corrections lock as well, half a step away: the true one is close to zero.
+        known: list[FloatArray] = [np.zeros(POSE_SIZE)]
         for lock in search.polished([search.at_rest(), *search.rough(CORRECTIONS)]):
+            if min(np.abs((lock.correction - each) / expected).max() for each in known) < SAME:
+                continue
+            known.append(lock.correction)
             corrected = framed.corrected(lock.correction)
             yield corrected.reading(choice, hypotheses * search.tried)
 
@@ -73,7 +79,8 @@ class Framed:
     """The points of a suspect in a frame, with what the key says of them there.
 
     points: (p, 3) in the frame; coordinates: (p, 3) for each of `MODES`, which carry; room: (steps, p), where there
-    is room for each of `STEPS`; group: (p, 3) coordinates with one number share what the key says.
+    is room for each of `STEPS`; group: (p, 3) coordinates with one number share what the key says. fitted: these
+    points corrected the frame.
     """
 
     points: FloatArray
@@ -82,6 +89,7 @@ class Framed:
     lattice: PointLattice
     keys: PointKeys
     group: IntArray
+    fitted: bool = False
 
     @classmethod
     def of(
@@ -115,7 +123,7 @@ class Framed:
     def corrected(self, correction: FloatArray) -> Framed:
         """Return the points in a frame that is off by a small pose (7,): shift, logarithm of scale, turn."""
         pose = Pose.turned(np.eye(3)).then(correction)
-        return Framed._at(pose(self.points), self.coordinates, self.room, self.lattice)
+        return replace(Framed._at(pose(self.points), self.coordinates, self.room, self.lattice), fitted=True)
 
     def phases(self, step: float) -> FloatArray:
         """Return the phases (p, 3), radians, at a step in canonical units."""
@@ -138,7 +146,7 @@ class Framed:
         return moved_along(place, unit)
 
     def locks(self) -> Iterator[PointLock]:
-        """Yield the best choice for each step, of large models judged by some of the coordinates."""
+        """Yield the best choice for each step and mode, of large models judged by some of the coordinates."""
         few = self.first(self.coordinates[-1], SCREENED)
         order = np.argsort(self.keys.draw[few], kind="stable")
         draw, place, dither = (each[few][order] for each in (self.keys.draw, self.points, self.keys.dither))
@@ -154,19 +162,18 @@ class Framed:
                     carries = (coordinates & room[:, None])[few][order]
                     modes.append((carries, _Groups.of(draw[carries], group[carries])))
             wave = np.exp(2j * _phases(place, step, dither))
-            chances = []
             for mode, (carries, groups) in enumerate(modes):
-                chances += groups.chances(wave[carries], float(step), mode, self.readable)
-            if chances:
-                chance, choice = min(chances, key=lambda entry: entry[0])
-                yield PointLock(log10_loose=chance, framed=self, choice=choice)
+                chances = groups.chances(wave[carries], float(step), mode, self.readable)
+                if chances:
+                    chance, choice = min(chances, key=lambda entry: entry[0])
+                    yield PointLock(log10_loose=chance, framed=self, choice=choice)
 
     def best_at(self, step: float) -> Choice:
         """Return the choice of a step, one of `STEPS`, that locks best."""
         return min(self.locks_at(step), key=lambda lock: lock.log10_loose).choice
 
     def locks_at(self, step: float) -> list[PointLock]:
-        """Return the best choice of each mode for a step, one of `STEPS`."""
+        """Return the lock of the best choice of each mode for a step, one of `STEPS`."""
         choices = [self.best_share(Choice(step=step, mode=mode, share=1.0)) for mode in range(len(MODES))]
         return [
             PointLock(log10_loose=self._loose_chance(choice), framed=self, choice=choice)
@@ -200,13 +207,14 @@ class Framed:
             keys=keys,
             phase=phase,
             score=score,
-            log10_chance=log10_lock_chance(score, sizes),
+            log10_chance=log10_lock_chance(score, sizes, fitted=self.fitted),
             hypotheses=hypotheses,
         )
 
     def lock_chance(self, carries: NDArray[np.bool_], step: float) -> float:
         """Return log10 of the chance of the phases of coordinates (p, 3) that say 0 on every copy."""
-        return log10_lock_chance(*_summed(np.exp(1j * self.phases(step)[carries]), self.group[carries]))
+        score, sizes = _summed(np.exp(1j * self.phases(step)[carries]), self.group[carries])
+        return log10_lock_chance(score, sizes, fitted=self.fitted)
 
     @property
     def readable(self) -> int:

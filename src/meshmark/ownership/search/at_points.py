@@ -10,9 +10,10 @@ from meshmark.certificate.certificate import Certificate
 from meshmark.geometry.frame import Frame, frame_alternatives
 from meshmark.ownership.carriers.lattice_label import Label
 from meshmark.ownership.carriers.reading import Reading
+from meshmark.ownership.parameters import DECODE_LOG10
 from meshmark.ownership.parameters import SURELY_SKEW as SURELY_SKEW_OF_CELLS
 from meshmark.ownership.points.carried_coordinates import Carried
-from meshmark.ownership.points.frame_sweep import sweep
+from meshmark.ownership.points.frame_sweep import peaks, sweep
 from meshmark.ownership.points.parameters import MODES, MOST_POINTS, SHARES, STEPS, SURELY_SKEW
 from meshmark.ownership.points.point_lattice import PointLattice
 from meshmark.ownership.points.point_reading import CHOICES, Framed, PointLock
@@ -22,7 +23,7 @@ from meshmark.ownership.search.starting_frames import label_of, registered_frame
 __all__ = ["readings_of_points", "registered_readings_of_points"]
 
 # Choices that are decoded, of all frames, and of those that a sweep finds.
-DECODED, SWEPT = 4, 4
+DECODED, SWEPT = 4, 16
 
 
 def readings_of_points(search: Search, *, swept: bool = True) -> Iterator[Reading]:
@@ -55,7 +56,9 @@ def registered_readings_of_points(search: Search) -> Iterator[Reading]:
         if isinstance(reference, Certificate):
             yield from _readings_at(search, carried, label, reference.step * reference.spacing)
         else:
-            yield from _readings(search, carried, (frame,), (label,))
+            for reading in _readings(search, carried, (frame,), (label,)):
+                if reading.log10_chance <= DECODE_LOG10:
+                    yield reading
 
 
 def _readings_at(search: Search, carried: Carried, label: Label, step: float) -> Iterator[Reading]:
@@ -64,7 +67,8 @@ def _readings_at(search: Search, carried: Carried, label: Label, step: float) ->
     framed = Framed.of(search.surface, carried, carried.frame, search.point_lattice(label))
     nearest = float(STEPS[np.argmin(np.abs(STEPS - step))])
     for lock in sorted(framed.locks_at(nearest), key=lambda each: each.log10_loose):
-        yield from lock.readings(charge, carried.frame.moments)
+        if np.count_nonzero(framed.carrying(lock.choice)) >= framed.readable:
+            yield from lock.readings(charge, carried.frame.moments)
 
 
 def _swept_readings(
@@ -79,7 +83,7 @@ def _swept_readings(
             angles = sweep(carried, turned, lattice)
             if len(angles):
                 charge += search.trials.charge() * CHOICES * len(angles)
-            swept += [(score, frame, lattice) for score, frame in angles]
+            swept += [(score, frame, lattice) for score, frame in peaks(angles)]
     swept.sort(key=lambda entry: -entry[0])
     for _, frame, lattice in swept[:SWEPT]:
         framed = Framed.of(search.surface, carried, frame, lattice)

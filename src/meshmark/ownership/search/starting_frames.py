@@ -34,7 +34,7 @@ ORIGINAL_LANDMARKS = 500
 def registered_frames(
     suspect: Surface, reference: Certificate | Mesh, scales: Sequence[float]
 ) -> Iterator[Frame]:
-    """Yield `corner_frames`, then `starting_frames`, which cost more, where what the former tell is not it."""
+    """Yield `corner_frames`, then `starting_frames`: these cost more, and are made when the former did not do."""
     yield from corner_frames(suspect, reference)
     yield from starting_frames(suspect, reference, scales)
 

@@ -42,7 +42,12 @@ def _suits_points(search: Search) -> bool:
 
 
 def _suits_cells(search: Search) -> bool:
-    return not search.suits_points
+    return not search.suits_points and not isinstance(search.reference, Certificate)
+
+
+def _suits_cells_and_is_certified(search: Search) -> bool:
+    """Return whether points are read after what the certificate tells: a reading pays for all before it."""
+    return not search.suits_points and isinstance(search.reference, Certificate)
 
 
 def _may_be_at_points(search: Search) -> bool:
@@ -99,6 +104,7 @@ STRATEGIES: tuple[Strategy, ...] = (
         cost=1.0,
         decode_below=DECODE_LOG10,
     ),
+    replace(_POINTS, name="points after cells", applies=_suits_cells),
     Strategy(
         name="copies of one mesh once",
         readings=late_function("meshmark.ownership.search.other_surfaces", "readings_of_copies"),
@@ -120,7 +126,7 @@ STRATEGIES: tuple[Strategy, ...] = (
         cost=60.0,
         by_reference=True,
     ),
-    replace(_POINTS, name="points after cells", applies=_suits_cells),
+    replace(_POINTS, name="points after the certificate", applies=_suits_cells_and_is_certified),
     Strategy(
         name="mirrored",
         readings=late_function("meshmark.ownership.search.other_surfaces", "mirrored_readings"),
