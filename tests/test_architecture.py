@@ -131,7 +131,7 @@ def test_the_parts_of_no_folder_import_in_a_circle():
     assert found == []
 
 
-def test_the_product_imports_no_research_and_nothing_of_the_web():
+def test_the_product_imports_no_research_no_commands_of_the_registry_and_nothing_of_the_web():
     found = [
         f"{one} -> {other}" for one, other in edges(whole_graph()) if is_outside(other) > is_outside(one)
     ]

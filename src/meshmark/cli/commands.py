@@ -41,7 +41,7 @@ COMMANDS: dict[str, str] = {
     "demo": "Show the whole way on one model.",
 }
 GROUPS = ("registry", "batch")
-"""Commands that are groups of commands: their module offers a `typer.Typer`."""
+"""Commands that are groups of commands: what is found by their name is a `typer.Typer`."""
 # Commands that come with another wheel, and the extra that installs it.
 EXTRAS = {
     "bench": "research",
