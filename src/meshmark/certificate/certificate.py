@@ -7,7 +7,7 @@ the lattice's parameters: neither the surface nor anything of the key. The file 
     vertices, faces      counts of the marked model
     lattice              label of the lattice among those of the key, 32 hexadecimal digits
     spacing, step        of the lattice, in canonical units and in spacings; strength subtle, standard or strong
-    frame                of the marked model: centre, scale, axes (columns), moments, area, skewness
+    frame                that the mark was made in: centre, scale, axes (columns), moments, area, skewness
     landmarks            count, explains (see `geometry.landmarks.Landmarks`), and arrays in base64, little-endian
                          rows: places, normals, masses, curvatures (32-bit floats), descriptors (16-bit floats)
     layers               what was embedded: both, ownership or authentication
@@ -53,7 +53,7 @@ LONGEST = 200_000_000
 class Certificate:
     """What is kept of a marked model.
 
-    landmarks: in the canonical coordinates of `frame`, which is the marked model's; lattice: its label, 32
+    landmarks: in the canonical coordinates of `frame`, in which the mark was made; lattice: its label, 32
     hexadecimal digits; spacing, step, strength: of it; vertices, faces: of its file; more: further fields of the
     file, plain JSON values.
     """
