@@ -44,6 +44,20 @@ def test_a_part_that_was_moved_is_found_where_it_lies(name, share):
     assert min(off) < 2e-3  # a symmetric shape lies in several ways
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_of_the_ways_in_which_a_nearly_symmetric_shape_lies_the_exact_one_comes_first(seed):
+    """A prism of 30 sides, moved as little as a mark does, finds as many corners in every turn by 12 degrees."""
+    points, faces = prism(30, 6, 3.0)
+    points = points + np.random.default_rng(seed).uniform(-1e-3, 1e-3, points.shape)
+    corners, canonical = kept((points, faces))
+    found = match_corners(corners, MOVE(canonical), part(faces, canonical, 0.5))
+    places = corners.reshape(-1, 3)
+    off = [np.sqrt(np.mean((each(places) - MOVE(places)) ** 2)) / MOVE.scale for each in found]
+    assert off[0] < 1e-6
+    assert len(off) > 1
+    assert min(off[1:]) > 0.02
+
+
 def test_another_model_is_not_found():
     corners, _ = kept(SHAPES["frustum"])
     points, faces = prism(30, 6, 3.0)

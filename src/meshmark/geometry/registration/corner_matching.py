@@ -52,7 +52,7 @@ def corners_to_keep(points: FloatArray, faces: IntArray) -> FloatArray:
 
 
 def match_corners(corners: FloatArray, points: FloatArray, faces: IntArray) -> list[Similarity]:
-    """Return similarities that take kept corners to points of a suspect, those that find most corners first.
+    """Return similarities that take kept corners to points of a suspect, those that find most corners, and these nearest, first.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def match_corners(corners: FloatArray, points: FloatArray, faces: IntArray) -> l
         if seen.sum() < _LEAST or seen.mean() < _SHARE:
             continue
         fit = fit_similarity(places[seen], points[nearest[seen]])
-        share = float(_found(fit, places, tree)[0].mean())
+        share = _closeness(fit, places, tree)
         if all(not _same(fit, other, places) or share > known for known, other in found):
             found = [entry for entry in found if not _same(fit, entry[1], places)] + [(share, fit)]
     found.sort(key=lambda entry: -entry[0])
@@ -115,6 +115,13 @@ def _by_edges(triangles: FloatArray) -> tuple[FloatArray, FloatArray]:
 def _found(guess: Similarity, places: FloatArray, tree: cKDTree) -> tuple[NDArray[np.bool_], IntArray]:
     distance, nearest = tree.query(guess(places), distance_upper_bound=_NEAR * guess.scale)
     return np.isfinite(distance), np.asarray(nearest, dtype=np.int64)
+
+
+def _closeness(fit: Similarity, places: FloatArray, tree: cKDTree) -> float:
+    """Return the share of places that are found, each counting the more the nearer it is: symmetric fits are less."""
+    near = _NEAR * fit.scale
+    distance, _ = tree.query(fit(places), distance_upper_bound=near)
+    return float(1.0 - np.minimum(distance / near, 1.0).mean())
 
 
 def _same(one: Similarity, other: Similarity, places: FloatArray) -> bool:
