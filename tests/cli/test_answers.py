@@ -218,6 +218,8 @@ def test_info_of_a_certificate_tells_what_is_public(cli, folder, files):
     assert len(told["model_digest"]) == 16
     assert identity not in ran.out
     assert told["model_digest"] == mm.Certificate.load("my.cert").summary()["model_digest"]
+    cli(*line.replace("again.ply", "other.ply").replace("my.cert", "other.cert").split())  # another id
+    assert told["model_digest"] != mm.Certificate.load("other.cert").summary()["model_digest"]
     assert f"{files.vertices:,}" in cli("info", "my.cert").out
     Path("old.cert").write_text(Path("my.cert").read_text().replace('"version": 4', '"version": 1', 1))
     assert "certificate of version 1" in cli("info", "old.cert").err

@@ -153,10 +153,10 @@ class Certificate:
     def summary(self) -> dict[str, Any]:
         """Return what is public of the certificate, for people; nothing of it needs the key.
 
-        model_digest: 16 hexadecimal digits of the marked model's counts and frame, equal for certificates of one
-        marked model. takes_mark_off: it holds what `unmark` needs.
+        model_digest: 16 hexadecimal digits of the marked model's counts, frame, landmarks and corners, equal for
+        certificates of one marked model. takes_mark_off: it holds what `unmark` needs.
         """
-        from meshmark.certificate.certificate_fields import FORMAT, VERSION
+        from meshmark.certificate.certificate_fields import FORMAT, VERSION, packed
 
         frame = self.frame
         numbers = [
@@ -167,7 +167,8 @@ class Certificate:
             frame.area,
             *frame.skewness,
         ]
-        content = np.array([self.vertices, self.faces, *numbers], "<f8").tobytes()
+        shape = json.dumps([packed(self.landmarks), self.more.get("corners")], sort_keys=True)
+        content = np.array([self.vertices, self.faces, *numbers], "<f8").tobytes() + shape.encode()
         return {
             "kind": FORMAT,
             "certificate_version": VERSION,

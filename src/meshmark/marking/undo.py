@@ -149,7 +149,7 @@ def unmark(mesh: Mesh, key: Key, certificate: Certificate) -> Unmarked:
             "the model's faces are not those that were marked, expected this certificate's model in the vertex "
             "order it was marked in, which other programs and formats may change"
         )
-    frame = _frame(mesh, certificate)
+    frame = certificate.frame if positions == _digest(mesh.vertices) else _frame(mesh, certificate)
     whole = _restored(_expanded(plain[start:], len(mesh.vertices)), _Predictor(mesh, frame))
     shift = whole @ frame.axes.T * (step * frame.scale)
     moved = np.asarray(whole.any(axis=1))
@@ -188,7 +188,7 @@ def _digest(array: FloatArray | IntArray) -> bytes:
 
 
 def _frame(mesh: Mesh, certificate: Certificate) -> Frame:
-    """Return the certificate's frame where the mesh lies there, else that in which its corners lie on the mesh.
+    """Return the certificate's frame where the mesh lies there, else that in which its corners lie nearest to it.
 
     A certificate without corners has landmarks, which say in which turn of the mesh's own frame it lies.
     """
@@ -205,7 +205,7 @@ def _frame(mesh: Mesh, certificate: Certificate) -> Frame:
     if len(corners) and left(signed) < SAME:
         return signed
     frames = [frame_of(fit, signed) for fit in match_corners(corners, surface.points, surface.faces)]
-    return min([*frames, *frame_alternatives(surface.frame, True)], key=left)
+    return min([signed, *frames, *frame_alternatives(surface.frame, True)], key=left)
 
 
 def _signed_off(mesh: Mesh, signed: Frame) -> Surface:

@@ -104,11 +104,10 @@ def test_a_fitted_frame_locks_by_chance_no_oftener_than_it_says(clumps, points):
             log10_loose=0.0, framed=framed, choice=Choice(step=float(STEPS[9]), mode=2, share=1.0)
         )
         _, *corrected = lock.readings(1.0, np.array([0.5, 0.3, 0.2]))
-        if corrected:  # more than a few coordinates carry under the share that locks best
+        if corrected:  # enough coordinates carry, and a correction changes something
             told += [min(each.log10_chance + np.log10(each.hypotheses) for each in corrected)]
     assert len(told) > 50
-    assert below(told, 1) <= 0.1 + 3.0 * np.sqrt(0.1 / len(told))
-    assert below(told, 2) <= 0.01 + 3.0 * np.sqrt(0.01 / len(told))
+    assert below(told, 0) <= 0.02, "what a fit gains is paid for"
 
 
 def test_a_step_without_room_is_not_read():

@@ -52,7 +52,7 @@ def corners_to_keep(points: FloatArray, faces: IntArray) -> FloatArray:
 
 
 def match_corners(corners: FloatArray, points: FloatArray, faces: IntArray) -> list[Similarity]:
-    """Return similarities that take kept corners to points of a suspect, those that find most corners, and these nearest, first.
+    """Return similarities that take kept corners to points of a suspect, those that find most, and nearest, first.
 
     Parameters
     ----------
@@ -118,7 +118,7 @@ def _found(guess: Similarity, places: FloatArray, tree: cKDTree) -> tuple[NDArra
 
 
 def _closeness(fit: Similarity, places: FloatArray, tree: cKDTree) -> float:
-    """Return the share of places that are found, each counting the more the nearer it is: symmetric fits are less."""
+    """Return the share of places that are found, each counting more the nearer it is; less of a symmetric fit."""
     near = _NEAR * fit.scale
     distance, _ = tree.query(fit(places), distance_upper_bound=near)
     return float(1.0 - np.minimum(distance / near, 1.0).mean())

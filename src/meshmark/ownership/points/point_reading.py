@@ -181,8 +181,12 @@ class Framed:
         ]
 
     def best_share(self, choice: Choice) -> Choice:
-        """Return the choice with the share that locks best, judged by all coordinates."""
-        return min((replace(choice, share=share) for share in SHARES), key=self._loose_chance)
+        """Return the choice with the share that locks best, by all coordinates, of those that have enough."""
+        first, *rest = (replace(choice, share=share) for share in SHARES)
+        return min([first, *filter(self._is_readable, rest)], key=self._loose_chance)
+
+    def _is_readable(self, choice: Choice) -> bool:
+        return bool(np.count_nonzero(self.carrying(choice)) >= self.readable)
 
     def _loose_chance(self, choice: Choice) -> float:
         carries = self.carrying(choice)

@@ -41,11 +41,12 @@ def _suits_points(search: Search) -> bool:
     return search.suits_points
 
 
-def _suits_cells(search: Search) -> bool:
+def _suits_cells_uncertified(search: Search) -> bool:
+    """Return whether points are read after cells: there is no certificate to read by first."""
     return not search.suits_points and not isinstance(search.reference, Certificate)
 
 
-def _suits_cells_and_is_certified(search: Search) -> bool:
+def _suits_cells_certified(search: Search) -> bool:
     """Return whether points are read after what the certificate tells: a reading pays for all before it."""
     return not search.suits_points and isinstance(search.reference, Certificate)
 
@@ -104,7 +105,7 @@ STRATEGIES: tuple[Strategy, ...] = (
         cost=1.0,
         decode_below=DECODE_LOG10,
     ),
-    replace(_POINTS, name="points after cells", applies=_suits_cells),
+    replace(_POINTS, name="points after cells", applies=_suits_cells_uncertified),
     Strategy(
         name="copies of one mesh once",
         readings=late_function("meshmark.ownership.search.other_surfaces", "readings_of_copies"),
@@ -126,7 +127,7 @@ STRATEGIES: tuple[Strategy, ...] = (
         cost=60.0,
         by_reference=True,
     ),
-    replace(_POINTS, name="points after the certificate", applies=_suits_cells_and_is_certified),
+    replace(_POINTS, name="points after the certificate", applies=_suits_cells_certified),
     Strategy(
         name="mirrored",
         readings=late_function("meshmark.ownership.search.other_surfaces", "mirrored_readings"),
