@@ -173,8 +173,12 @@ class Framed:
         return min(self.locks_at(step), key=lambda lock: lock.log10_loose).choice
 
     def locks_at(self, step: float) -> list[PointLock]:
-        """Return the lock of the best choice of each mode for a step, one of `STEPS`."""
-        choices = [self.best_share(Choice(step=step, mode=mode, share=1.0)) for mode in range(len(MODES))]
+        """Return the lock of the best choice of each mode for a step, one of `STEPS`.
+
+        Only modes with enough coordinates, where there are any.
+        """
+        all_modes = [self.best_share(Choice(step=step, mode=mode, share=1.0)) for mode in range(len(MODES))]
+        choices = list(filter(self.is_readable, all_modes)) or all_modes
         return [
             PointLock(log10_loose=self._loose_chance(choice), framed=self, choice=choice)
             for choice in choices
@@ -183,9 +187,10 @@ class Framed:
     def best_share(self, choice: Choice) -> Choice:
         """Return the choice with the share that locks best, by all coordinates, of those that have enough."""
         first, *rest = (replace(choice, share=share) for share in SHARES)
-        return min([first, *filter(self._is_readable, rest)], key=self._loose_chance)
+        return min([first, *filter(self.is_readable, rest)], key=self._loose_chance)
 
-    def _is_readable(self, choice: Choice) -> bool:
+    def is_readable(self, choice: Choice) -> bool:
+        """Return whether enough coordinates carry."""
         return bool(np.count_nonzero(self.carrying(choice)) >= self.readable)
 
     def _loose_chance(self, choice: Choice) -> float:

@@ -67,7 +67,7 @@ def _readings_at(search: Search, carried: Carried, label: Label, step: float) ->
     framed = Framed.of(search.surface, carried, carried.frame, search.point_lattice(label))
     nearest = float(STEPS[np.argmin(np.abs(STEPS - step))])
     for lock in sorted(framed.locks_at(nearest), key=lambda each: each.log10_loose):
-        if np.count_nonzero(framed.carrying(lock.choice)) >= framed.readable:
+        if framed.is_readable(lock.choice):
             yield from lock.readings(charge, carried.frame.moments)
 
 
