@@ -21,6 +21,7 @@ from meshmark.ownership.carriers.quantisation import bit_phase
 from meshmark.ownership.parameters import LONGEST_SAMPLE, SURELY_SKEW
 from meshmark.ownership.points.carried_coordinates import Carried
 from meshmark.ownership.points.parameters import SIDE, STEPS
+from meshmark.ownership.points.point_choice import step_number
 from meshmark.ownership.points.point_lattice import PointLattice
 from meshmark.ownership.points.point_reading import Framed
 from meshmark.ownership.search.measurement import read_cells
@@ -103,7 +104,7 @@ class _PointReader(WrittenReader):
 
     def __init__(self, surface: Surface, key: Key, certificate: Certificate) -> None:
         super().__init__(surface)
-        self._step = float(STEPS[np.argmin(np.abs(np.log(STEPS / (certificate.step * SIDE))))])
+        self._step = float(STEPS[step_number(certificate.step * SIDE)])
         self._lattice = PointLattice.keyed(key, Label.of_hex(certificate.lattice))
 
     def _turns(self, frame: Frame) -> list[Frame]:

@@ -8,7 +8,18 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from meshmark.cli.options import Bits, ForceKey, ForceKeyed, KeyFile, Layers, Search, Strength, Tolerance
+from meshmark.cli.options import (
+    Bits,
+    ForceKey,
+    ForceKeyed,
+    KeyFile,
+    LikeEmbedLayers,
+    LikeEmbedPayload,
+    LikeEmbedStrength,
+    LikeEmbedTolerance,
+    Search,
+    Strength,
+)
 from meshmark.cli.registry_option import RegistryIn, named_registry
 
 if TYPE_CHECKING:
@@ -66,12 +77,10 @@ def batch_embed(
         bool, typer.Option("--certificates", help="Also write a certificate beside each marked file, .cert.")
     ] = False,
     bits: Annotated[Bits, typer.Option(help="As `embed` takes it.")] = Bits.long,
-    strength: Annotated[Strength, typer.Option(help="As `embed` takes it.")] = Strength.standard,
-    layers: Annotated[Layers | None, typer.Option(help="As `embed` takes it.")] = None,
-    payload: Annotated[
-        str | None, typer.Option(metavar="miniature|none|FILE", help="As `embed` takes it.")
-    ] = None,
-    tolerance: Annotated[Tolerance | None, typer.Option(help="As `embed` takes it.")] = None,
+    strength: LikeEmbedStrength = Strength.standard,
+    layers: LikeEmbedLayers = None,
+    payload: LikeEmbedPayload = None,
+    tolerance: LikeEmbedTolerance = None,
     workers: _Workers = None,
     scheduler: _Scheduler = None,
     resume: _Resume = False,

@@ -16,6 +16,10 @@ __all__ = [
     "Force",
     "KeyFile",
     "Layers",
+    "LikeEmbedLayers",
+    "LikeEmbedPayload",
+    "LikeEmbedStrength",
+    "LikeEmbedTolerance",
     "ModelFormat",
     "ModelFormatIn",
     "ModelIn",
@@ -134,3 +138,9 @@ OriginalIn = Annotated[
     Path | None,
     typer.Option("--original", metavar="MODEL", help="The unmarked original, instead of a certificate."),
 ]
+# What commands that make many marks take as `embed` does, and leave to its help.
+_AS_EMBED = "As `embed` takes it."
+LikeEmbedStrength = Annotated[Strength, typer.Option(help=_AS_EMBED)]
+LikeEmbedLayers = Annotated[Layers | None, typer.Option(help=_AS_EMBED)]
+LikeEmbedPayload = Annotated[str | None, typer.Option(metavar="miniature|none|FILE", help=_AS_EMBED)]
+LikeEmbedTolerance = Annotated[Tolerance | None, typer.Option(help=_AS_EMBED)]

@@ -10,7 +10,18 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from meshmark.cli.model_input import read_model
-from meshmark.cli.options import AsJson, Bits, ForceKey, KeyFile, Layers, ModelIn, Strength, Tolerance
+from meshmark.cli.options import (
+    AsJson,
+    Bits,
+    ForceKey,
+    KeyFile,
+    LikeEmbedLayers,
+    LikeEmbedPayload,
+    LikeEmbedStrength,
+    LikeEmbedTolerance,
+    ModelIn,
+    Strength,
+)
 from meshmark.cli.output import answer, described, plural
 from meshmark.cli.paths import STANDARD_INPUT, make_folder, naming
 from meshmark.cli.progress import counted
@@ -42,12 +53,10 @@ def issue_copies(
     bits: Annotated[
         Bits, typer.Option(help="As `embed` takes it; 0 tells no copy from another.")
     ] = Bits.long,
-    strength: Annotated[Strength, typer.Option(help="As `embed` takes it.")] = Strength.standard,
-    layers: Annotated[Layers | None, typer.Option(help="As `embed` takes it.")] = None,
-    payload: Annotated[
-        str | None, typer.Option(metavar="miniature|none|FILE", help="As `embed` takes it.")
-    ] = None,
-    tolerance: Annotated[Tolerance | None, typer.Option(help="As `embed` takes it.")] = None,
+    strength: LikeEmbedStrength = Strength.standard,
+    layers: LikeEmbedLayers = None,
+    payload: LikeEmbedPayload = None,
+    tolerance: LikeEmbedTolerance = None,
     part: Annotated[str | None, typer.Option(hidden=True)] = None,
     force: ForceKey = False,
     as_json: AsJson = False,

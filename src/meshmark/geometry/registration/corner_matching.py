@@ -86,9 +86,9 @@ def match_corners(corners: FloatArray, points: FloatArray, faces: IntArray) -> l
         if seen.sum() < _LEAST or seen.mean() < _SHARE:
             continue
         fit = fit_similarity(places[seen], points[nearest[seen]])
-        share = _closeness(fit, places, tree)
-        if all(not _same(fit, other, places) or share > known for known, other in found):
-            found = [entry for entry in found if not _same(fit, entry[1], places)] + [(share, fit)]
+        closeness = _closeness(fit, places, tree)
+        if all(not _same(fit, other, places) or closeness > known for known, other in found):
+            found = [entry for entry in found if not _same(fit, entry[1], places)] + [(closeness, fit)]
     found.sort(key=lambda entry: -entry[0])
     return [fit for _, fit in found[:_KEPT]]
 

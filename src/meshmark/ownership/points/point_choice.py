@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshmark.mesh import FloatArray
-from meshmark.ownership.points.parameters import KEPT_SHARE, MODES
+from meshmark.ownership.points.parameters import KEPT_SHARE, MODES, STEPS
 
-__all__ = ["Choice"]
+__all__ = ["Choice", "step_number"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,3 +38,8 @@ class Choice:
         keys.
         """
         return np.asarray(coordinates & room[:, None] & (draw < self.cut))
+
+
+def step_number(step: float) -> int:
+    """Return the number, among `STEPS`, of the one that is nearest to a step in canonical units."""
+    return int(np.argmin(np.abs(STEPS - step)))

@@ -18,7 +18,7 @@ from meshmark.ownership.carriers.reading import Reading
 from meshmark.ownership.points.carried_coordinates import Carried
 from meshmark.ownership.points.lock_chance import log10_lock_chance, log10_loose_chance
 from meshmark.ownership.points.parameters import FEW_POINTS, MODES, READABLE, SHARES, SIDE, STEPS
-from meshmark.ownership.points.point_choice import Choice
+from meshmark.ownership.points.point_choice import Choice, step_number
 from meshmark.ownership.points.point_lattice import PointKeys, PointLattice
 
 __all__ = ["CHOICES", "Framed", "PointLock"]
@@ -47,13 +47,18 @@ class PointLock:
     framed: Framed
     choice: Choice
 
+    @property
+    def is_readable(self) -> bool:
+        """Whether enough coordinates carry."""
+        return int(np.count_nonzero(self.framed.carrying(self.choice))) >= self.framed.readable
+
     def readings(self, hypotheses: float, moments: FloatArray) -> Iterator[Reading]:
         """Yield the reading of this choice, then those with the frame corrected.
 
         hypotheses: that it is the best of. moments: (3,) of the frame, shares of their sum.
         """
         framed = self.framed
-        choice = framed.best_share(self.choice)
+        choice = framed.best_share(self.choice).choice
         yield framed.reading(choice, hypotheses)
         carries = framed.carrying(choice)
         if np.count_nonzero(carries) < READABLE[-1]:
@@ -131,7 +136,7 @@ class Framed:
 
     def carrying(self, choice: Choice) -> NDArray[np.bool_]:
         """Return (p, 3): the coordinates that carry under a choice."""
-        room = self.room[np.argmin(np.abs(STEPS - choice.step))]
+        room = self.room[step_number(choice.step)]
         return choice.carrying(self.coordinates[choice.mode], room, self.keys.draw)
 
     def first(self, carries: NDArray[np.bool_], most: int) -> NDArray[np.bool_]:
@@ -169,34 +174,28 @@ class Framed:
                     yield PointLock(log10_loose=chance, framed=self, choice=choice)
 
     def best_at(self, step: float) -> Choice:
-        """Return the choice of a step, one of `STEPS`, that locks best."""
-        return min(self.locks_at(step), key=lambda lock: lock.log10_loose).choice
+        """Return the choice of a step, one of `STEPS`, that locks best, first of those with enough coordinates."""
+        return min(self.locks_at(step), key=lambda lock: (not lock.is_readable, lock.log10_loose)).choice
 
     def locks_at(self, step: float) -> list[PointLock]:
-        """Return the lock of the best choice of each mode for a step, one of `STEPS`.
+        """Return the lock of the best share of each mode for a step, one of `STEPS`."""
+        return [self.best_share(Choice(step=step, mode=mode, share=1.0)) for mode in range(len(MODES))]
 
-        Only modes with enough coordinates, where there are any.
-        """
-        all_modes = [self.best_share(Choice(step=step, mode=mode, share=1.0)) for mode in range(len(MODES))]
-        choices = list(filter(self.is_readable, all_modes)) or all_modes
-        return [
-            PointLock(log10_loose=self._loose_chance(choice), framed=self, choice=choice)
-            for choice in choices
-        ]
-
-    def best_share(self, choice: Choice) -> Choice:
-        """Return the choice with the share that locks best, by all coordinates, of those that have enough."""
-        first, *rest = (replace(choice, share=share) for share in SHARES)
-        return min([first, *filter(self.is_readable, rest)], key=self._loose_chance)
-
-    def is_readable(self, choice: Choice) -> bool:
-        """Return whether enough coordinates carry."""
-        return bool(np.count_nonzero(self.carrying(choice)) >= self.readable)
-
-    def _loose_chance(self, choice: Choice) -> float:
-        carries = self.carrying(choice)
-        score, sizes = _summed(np.exp(2j * self.phases(choice.step)[carries]), self.group[carries])
-        return log10_loose_chance(score, float(sizes @ sizes))
+    def best_share(self, choice: Choice) -> PointLock:
+        """Return the lock of the best share, by all coordinates, of the first one and those that have enough."""
+        carries = self.carrying(replace(choice, share=SHARES[0]))
+        draw, group = self.keys.draw[carries], self.group[carries]
+        wave = np.exp(2j * self.phases(choice.step)[carries])
+        locks: list[PointLock] = []
+        for share in SHARES:
+            shared = replace(choice, share=share)
+            kept = draw < shared.cut
+            if locks and np.count_nonzero(kept) < self.readable:
+                break  # nor have smaller ones
+            score, sizes = _summed(wave[kept], group[kept])
+            chance = log10_loose_chance(score, float(sizes @ sizes))
+            locks.append(PointLock(log10_loose=chance, framed=self, choice=shared))
+        return min(locks, key=lambda lock: lock.log10_loose)
 
     def reading(self, choice: Choice, hypotheses: float) -> Reading:
         """Return what the points say under a choice."""

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
-import numpy as np
-
 from meshmark.certificate.certificate import Certificate
 from meshmark.geometry.frame import Frame, frame_alternatives
 from meshmark.ownership.carriers.lattice_label import Label
@@ -15,6 +13,7 @@ from meshmark.ownership.parameters import SURELY_SKEW as SURELY_SKEW_OF_CELLS
 from meshmark.ownership.points.carried_coordinates import Carried
 from meshmark.ownership.points.frame_sweep import peaks, sweep
 from meshmark.ownership.points.parameters import MODES, MOST_POINTS, SHARES, STEPS, SURELY_SKEW
+from meshmark.ownership.points.point_choice import step_number
 from meshmark.ownership.points.point_lattice import PointLattice
 from meshmark.ownership.points.point_reading import CHOICES, Framed, PointLock
 from meshmark.ownership.search.search import Search
@@ -65,9 +64,8 @@ def _readings_at(search: Search, carried: Carried, label: Label, step: float) ->
     """Yield the readings of all modes in the frame of `carried`, at that of `STEPS` which is nearest to a step."""
     charge = search.trials.charge() * len(MODES) * len(SHARES)
     framed = Framed.of(search.surface, carried, carried.frame, search.point_lattice(label))
-    nearest = float(STEPS[np.argmin(np.abs(STEPS - step))])
-    for lock in sorted(framed.locks_at(nearest), key=lambda each: each.log10_loose):
-        if framed.is_readable(lock.choice):
+    for lock in sorted(framed.locks_at(float(STEPS[step_number(step)])), key=lambda each: each.log10_loose):
+        if lock.is_readable:
             yield from lock.readings(charge, carried.frame.moments)
 
 
