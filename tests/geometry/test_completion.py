@@ -27,7 +27,7 @@ def cropped(share, seed):
 def test_the_frame_of_the_whole_is_among_the_first(share, seed):
     points, faces, part = cropped(share, seed)
     whole, now = canonical_frame(points, faces), canonical_frame(points, part)
-    frames = completed_frames(points, part, 0.035, 100)
+    frames = [whole.frame for whole in completed_frames(points, part, 0.035, 100)]
     nearest = min(frame_distance(frame, whole) for frame in frames)
     assert nearest < 0.1
     assert nearest < 0.6 * frame_distance(now, whole)
@@ -35,7 +35,7 @@ def test_the_frame_of_the_whole_is_among_the_first(share, seed):
 
 def test_frames_are_apart_and_rotations():
     points, _, part = cropped(0.06, 1)
-    frames = completed_frames(points, part, 0.05, 30)
+    frames = [whole.frame for whole in completed_frames(points, part, 0.05, 30)]
     assert 5 < len(frames) <= 30
     for frame in some(frames):
         np.testing.assert_allclose(frame.axes.T @ frame.axes, np.eye(3), atol=1e-9)

@@ -71,10 +71,13 @@ def test_of_another_model_nothing_is_yielded():
     assert not list(module.unsmoothed_readings(Search(surface=surface, key=KEY)))
 
 
-def test_shapes_that_got_rough_are_left_out(marked, monkeypatch):
+def test_shapes_that_are_rougher_than_any_model_are_left_out(marked, monkeypatch):
+    """As the right one is, where the limit is below its area."""
     surface = weld(attacked(marked, "smoothing:5"))
     assert list(module.unsmoothed_readings(Search(surface=surface, key=KEY)))
-    monkeypatch.setattr(module, "ROUGHEST", 0.5)  # the right shape has more than its smoothed one
+    assert len(Search(surface=surface, key=KEY).before_smoothing) < SHAPES
+    monkeypatch.setattr(search, "LARGEST_AREA", 1.0)
+    assert not Search(surface=surface, key=KEY).before_smoothing
     assert not list(module.unsmoothed_readings(Search(surface=surface, key=KEY)))
 
 

@@ -16,7 +16,7 @@ from meshmark.geometry.frame import Frame, signed_axes
 from meshmark.geometry.raw_moments import RawMoments, raw_moments
 from meshmark.mesh import FloatArray, IntArray
 
-__all__ = ["completed_frames", "frame_distance"]
+__all__ = ["Completed", "completed_frames", "frame_distance"]
 
 # Caps drawn. Of them, heights over the radius of the cut (evenly in the logarithm), and standard deviations of the
 # logarithm of the area, of the centroid's height, of the second moments.
@@ -56,7 +56,16 @@ class _Frames:
     skewness: FloatArray
 
 
-def completed_frames(points: FloatArray, faces: IntArray, apart: float, most: int) -> list[Frame]:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Completed:
+    """The frame of a surface together with a cap: its area, and places (6, 3) that stand for a sixth of it each."""
+
+    frame: Frame
+    area: float
+    places: FloatArray
+
+
+def completed_frames(points: FloatArray, faces: IntArray, apart: float, most: int) -> list[Completed]:
     """Return up to `most` frames, likeliest first, none where the surface has no planar cut.
 
     apart: how far kept frames are from each other at least, as `frame_distance`.
@@ -69,15 +78,7 @@ def completed_frames(points: FloatArray, faces: IntArray, apart: float, most: in
     frames = _frames(left, caps)
     kept = _thinned(frames, apart, most)
     return [
-        Frame(
-            centre=frames.centre[i],
-            scale=float(frames.scale[i]),
-            axes=np.ascontiguousarray(frames.axes[i]),
-            moments=frames.moments[i],
-            area=float(frames.area[i]),
-            skewness=frames.skewness[i],
-        )
-        for i in kept
+        Completed(frame=_frame(frames, i), area=float(caps.area[i]), places=_places(caps, i)) for i in kept
     ]
 
 
@@ -147,6 +148,26 @@ def _frames(left: RawMoments, caps: _Caps) -> _Frames:
         area=area / scale**2,
         skewness=skewness,
     )
+
+
+def _frame(frames: _Frames, i: int) -> Frame:
+    return Frame(
+        centre=frames.centre[i],
+        scale=float(frames.scale[i]),
+        axes=np.ascontiguousarray(frames.axes[i]),
+        moments=np.maximum(
+            frames.moments[i], 0.0
+        ),  # a cap's second moments are drawn, not those of a surface
+        area=float(frames.area[i]),
+        skewness=frames.skewness[i],
+    )
+
+
+def _places(caps: _Caps, i: int) -> FloatArray:
+    """Return (6, 3): two along each principal axis of a cap, with its centroid and its covariance."""
+    values, axes = np.linalg.eigh(caps.spread[i])
+    ways = (axes * np.sqrt(3.0 * np.maximum(values, 0.0))).T
+    return np.asarray(caps.centre[i] + np.concatenate([ways, -ways]))
 
 
 def _thinned(frames: _Frames, apart: float, most: int) -> IntArray:

@@ -16,7 +16,7 @@ from meshmark.geometry.frame import Frame, canonical_frame
 from meshmark.geometry.sampling import plan_samples
 from meshmark.mesh import FloatArray, IntArray
 
-__all__ = ["INVARIANTS", "shape_invariants"]
+__all__ = ["INVARIANTS", "sampled_invariants", "shape_invariants"]
 
 INVARIANTS: Final = (
     *(f"moment {i}" for i in (1, 2, 3)),
@@ -71,12 +71,20 @@ def shape_invariants(
     canonical = frame.to_canonical(points)
     known = None if lengths is None else lengths / frame.scale
     samples = plan_samples(canonical, faces, LONGEST, known)(canonical)
-    whole = samples.areas.sum()
+    return sampled_invariants(samples.positions, samples.areas, frame)
+
+
+def sampled_invariants(positions: FloatArray, areas: FloatArray, frame: Frame) -> FloatArray:
+    """Return the numbers (16,) of `shape_invariants` of a surface in its frame, of which there are samples.
+
+    positions: (q, 3) canonical; areas: (q,) in any unit, which samples stand for.
+    """
+    whole = areas.sum()
     radius, fourth, first = 0.0, 0.0, np.zeros(3)
     mean, second, cubes = np.zeros(6), np.zeros((6, 6)), np.zeros((6, 3))
-    for part in blocks(len(samples.areas), LARGE):
-        weight = samples.areas[part] / whole
-        x = np.ascontiguousarray(samples.positions[part].T)
+    for part in blocks(len(areas), LARGE):
+        weight = areas[part] / whole
+        x = np.ascontiguousarray(positions[part].T)
         square = x[0] * x[0] + x[1] * x[1] + x[2] * x[2]
         z = x / np.sqrt(1.0 + square)
         radius += float(np.sqrt(square) @ weight)

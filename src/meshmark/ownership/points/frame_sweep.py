@@ -13,6 +13,7 @@ from meshmark.ownership.parameters import ALIKE
 from meshmark.ownership.points.carried_coordinates import Carried
 from meshmark.ownership.points.parameters import STEPS
 from meshmark.ownership.points.point_lattice import PointLattice
+from meshmark.ownership.quick_waves import quick_cosine
 
 __all__ = ["peaks", "sweep"]
 
@@ -70,5 +71,5 @@ def _scores(placed: FloatArray, lattice: PointLattice, axes: list[int]) -> Float
     """Return (k,) the best lock of any step of points (k, n, 3), by two coordinates."""
     dither = lattice.keys(lattice.cubes(placed.reshape(-1, 3))).dither.reshape(placed.shape)
     x, at = placed[:, :, axes], dither[:, :, axes]
-    sums = [np.cos(4.0 * np.pi * (x / step - at)).sum(axis=(1, 2)) for step in STEPS[COARSE:]]
+    sums = [quick_cosine(2.0 * (x / step - at)).sum(axis=(1, 2)) for step in STEPS[COARSE:]]
     return np.asarray(np.max(sums, axis=0) / np.sqrt(x[0].size / 2.0))

@@ -20,6 +20,8 @@ from meshmark.ownership.points.lock_chance import log10_lock_chance, log10_loose
 from meshmark.ownership.points.parameters import FEW_POINTS, MODES, READABLE, SHARES, SIDE, STEPS
 from meshmark.ownership.points.point_choice import Choice, step_number
 from meshmark.ownership.points.point_lattice import PointKeys, PointLattice
+from meshmark.ownership.points.screened_shares import ScreenedShares
+from meshmark.ownership.quick_waves import quick_wave
 
 __all__ = ["CHOICES", "Framed", "PointLock"]
 
@@ -157,21 +159,23 @@ class Framed:
         draw, place, dither = (each[few][order] for each in (self.keys.draw, self.points, self.keys.dither))
         group = self.group[few][order]
         last = np.zeros(0, bool)
-        modes: list[tuple[NDArray[np.bool_], _Groups]] = []
+        modes: list[ScreenedShares] = []
         for step, room in zip(STEPS, self.room, strict=True):
             if not room.any():
                 continue
             if not np.array_equal(room, last):  # small steps have the same room
                 last, modes = room, []
-                for coordinates in self.coordinates:
+                for mode, coordinates in enumerate(self.coordinates):
                     carries = (coordinates & room[:, None])[few][order]
-                    modes.append((carries, _Groups.of(draw[carries], group[carries])))
-            wave = np.exp(2j * _phases(place, step, dither))
-            for mode, (carries, groups) in enumerate(modes):
-                chances = groups.chances(wave[carries], float(step), mode, self.readable)
+                    cuts = [Choice(step=1.0, mode=mode, share=share).cut for share in SHARES]
+                    modes.append(ScreenedShares.of(carries, draw, group, cuts, self.readable))
+            cosine, sine = quick_wave(2.0 * (place / step - dither))
+            for mode, shares in enumerate(modes):
+                chances = shares.log10_chances(cosine, sine)
                 if chances:
-                    chance, choice = min(chances, key=lambda entry: entry[0])
-                    yield PointLock(log10_loose=chance, framed=self, choice=choice)
+                    best = min(chances)
+                    choice = Choice(step=float(step), mode=mode, share=SHARES[chances.index(best)])
+                    yield PointLock(log10_loose=best, framed=self, choice=choice)
 
     def best_at(self, step: float) -> Choice:
         """Return the choice of a step, one of `STEPS`, that locks best, first of those with enough coordinates."""
@@ -234,58 +238,7 @@ def _phases(places: FloatArray, step: float, dither: FloatArray) -> FloatArray:
     return np.asarray(2.0 * np.pi * (places / step - dither))
 
 
-def _sums(wave: NDArray[np.complex128], group: IntArray) -> tuple[FloatArray, FloatArray]:
-    """Return the real part of the sum of the waves of each group, and the square of its size."""
-    real, imaginary = (np.bincount(group, part).astype(np.float64) for part in (wave.real, wave.imag))
-    return real, real**2 + imaginary**2
-
-
 def _summed(wave: NDArray[np.complex128], group: IntArray) -> tuple[float, FloatArray]:
     """Return the real part of the sum of all waves, and the size of the sum of each group."""
-    real, square = _sums(wave, group)
-    return float(real.sum()), np.sqrt(square)
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class _Groups:
-    """The g groups of n coordinates that are in the order of their draws.
-
-    number: (n,) the group of each; groups are in the order of their draws (g,), too. count: (g,) coordinates of
-    each group and those before.
-    """
-
-    number: IntArray
-    draws: FloatArray
-    count: IntArray
-
-    @classmethod
-    def of(cls, draw: FloatArray, group: IntArray) -> _Groups:
-        """Return those of coordinates with these draws (n,), rising, and groups (n,), of any numbers."""
-        row = np.arange(len(group))
-        first = np.empty(int(group.max(initial=-1)) + 1, np.int64)
-        first[group[::-1]] = row[::-1]  # where each group comes first: of several values the last one stays
-        starts = np.flatnonzero(first[group] == row)
-        number = np.empty_like(first)
-        number[group[starts]] = np.arange(len(starts))
-        return cls(
-            number=number[group],
-            draws=draw[starts],
-            count=np.cumsum(np.bincount(number[group], minlength=len(starts))),
-        )
-
-    def chances(
-        self, wave: NDArray[np.complex128], step: float, mode: int, readable: int
-    ) -> list[tuple[float, Choice]]:
-        """Return the chance of the lock of each share that has at least so many coordinates, of waves (n,)."""
-        if not len(wave):
-            return []
-        real, square = _sums(wave, self.number)
-        score, squares = np.cumsum(real), np.cumsum(square)
-        chances = []
-        for share in SHARES:
-            choice = Choice(step=step, mode=mode, share=share)
-            end = int(np.searchsorted(self.draws, choice.cut)) - 1
-            if end < 0 or self.count[end] < readable:
-                break
-            chances.append((log10_loose_chance(float(score[end]), float(squares[end])), choice))
-        return chances
+    real, imaginary = (np.bincount(group, part).astype(np.float64) for part in (wave.real, wave.imag))
+    return float(real.sum()), np.sqrt(real**2 + imaginary**2)

@@ -1,23 +1,27 @@
 """Readings of a suspect that was cut by a plane: each frame that it may have had with what is gone, corrected.
 
-A crop moves the canonical frame by far more than a lock reaches. But the cut shows, and what is gone starts at its
-border: of all the frames that it may have given the model some hundred lie close to all others.
+A crop moves the canonical frame by far more than a lock reaches, and what a label is made of as well. But the cut
+shows, and what is gone starts at its border: of all the frames that it may have given the model some hundred lie
+close to all others, those first that stand for most, and each comes with a cap that the label is made of, too.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import islice
 
 import numpy as np
 
-from meshmark.geometry.completion import completed_frames
+from meshmark.geometry.completion import Completed, completed_frames
 from meshmark.geometry.frame import Frame
+from meshmark.geometry.invariants import LONGEST, sampled_invariants
 from meshmark.geometry.sampling import SamplerPlans, Samples, gathered
 from meshmark.mesh import FloatArray
 from meshmark.ownership.carriers.grown_lock import MOST_FIRST, neighbourhoods
 from meshmark.ownership.carriers.lattice import Lattice
+from meshmark.ownership.carriers.lattice_label import Label
 from meshmark.ownership.carriers.pose import Pose, pose_gradient
 from meshmark.ownership.carriers.reading import Reading
 from meshmark.ownership.parameters import (
@@ -27,9 +31,9 @@ from meshmark.ownership.parameters import (
     CROP_CARRIERS,
     CROP_EXPECTED,
     CROP_FRAMES,
+    CROP_LABELS,
     CROP_SPACINGS,
     GATHER,
-    LARGE_STEPS,
     LOCK_STEPS,
     LONGEST_SAMPLE,
     TYPICAL_STEP,
@@ -45,25 +49,19 @@ __all__ = ["cropped_readings"]
 
 def cropped_readings(search: Search) -> Iterator[Reading]:
     """Yield the readings whose lock is credible, likeliest frames first; none of a surface without a planar cut."""
-    surface, counts = search.surface, CROP_FRAMES[search.effort]
-    frames = completed_frames(surface.points, surface.faces, CROP_APART, counts[0])
-    if not frames:
+    surface = search.surface
+    wholes = completed_frames(surface.points, surface.faces, CROP_APART, CROP_FRAMES[search.effort])
+    if not wholes:
         return
-    suspect = _Suspect(search, frames[0])
-    again: dict[tuple[int, float], Response] = {}  # of the frames that are tried from a second cluster
-    for cluster, many in enumerate(counts):
-        for number, frame in enumerate(frames[:many]):
-            pose = _pose(frames[0], frame)
-            known = search.spacings
-            for spacing in suspect.spacings(frame.area) if known is None else known:
-                place = _Place(samples=suspect.samples(spacing), lattice=suspect.lattice(spacing), pose=pose)
-                charge = search.trials.charge()
-                response = again.pop((number, spacing), None)
-                if response is None:
-                    response = place.measured()
-                if cluster + 1 < len(counts) and number < counts[cluster + 1]:
-                    again[number, spacing] = response
-                yield from _grown(place, response, cluster, charge)
+    suspect = _Suspect(search, wholes[0].frame)
+    for whole in wholes:
+        pose = _pose(wholes[0].frame, whole.frame)
+        known = search.spacings
+        for label in suspect.labels(whole, pose):
+            for spacing in suspect.spacings(whole.frame.area) if known is None else known:
+                lattice = search.lattice(spacing, label)
+                place = _Place(samples=suspect.samples(spacing), lattice=lattice, pose=pose)
+                yield from _grown(place, search.trials.charge())
 
 
 class _Suspect:
@@ -72,9 +70,8 @@ class _Suspect:
     def __init__(self, search: Search, home: Frame) -> None:
         self._points, self._search = home.to_canonical(search.surface.points), search
         surface = search.surface
+        self._home = home
         self._plans = SamplerPlans(surface.faces, surface.face_lengths / home.scale)
-        # Of the likeliest label: that of the whole where little is gone.
-        self._label = search.labels(search.surface.invariants)[0]
         self._samples: dict[float, Samples] = {}
         self._carriers: dict[float, int] = {}
 
@@ -86,9 +83,20 @@ class _Suspect:
             self._samples[spacing] = gathered(sampler(self._points), GATHER * longest)
         return self._samples[spacing]
 
-    def lattice(self, spacing: float) -> Lattice:
-        """Return the lattice that is read."""
-        return self._search.lattice(spacing, self._label)
+    def labels(self, whole: Completed, pose: Pose) -> tuple[Label, ...]:
+        """Return the likeliest labels of the surface together with a cap, whose frame is at a pose from this."""
+        frame = whole.frame
+        positions = np.concatenate([pose(self._described.positions), frame.to_canonical(whole.places)])
+        share = whole.area / len(whole.places) / self._home.scale**2
+        areas = np.concatenate([self._described.areas, np.full(len(whole.places), share)])
+        invariants = sampled_invariants(positions, areas, frame)
+        return self._search.labels(invariants, undone=True)[: CROP_LABELS[self._search.effort]]
+
+    @cached_property
+    def _described(self) -> Samples:
+        """Samples that `shape_invariants` would take, or coarser ones."""
+        sampler = self._plans.plan(self._points, LONGEST)
+        return gathered(sampler(self._points), GATHER * LONGEST)
 
     def spacings(self, area: float) -> list[float]:
         """Return those that an embedding into a whole of this canonical area is likeliest to have used."""
@@ -96,7 +104,7 @@ class _Suspect:
 
     def _rich(self, spacing: float) -> bool:
         if spacing not in self._carriers:
-            lattice = self.lattice(spacing)
+            lattice = self._search.lattice(spacing, self._search.labels(self._search.surface.invariants)[0])
             cells = read_cells(self.samples(spacing), lattice, Pose.turned(np.eye(3)))
             self._carriers[spacing] = len(cells.nodes)
         return self._carriers[spacing] >= CROP_CARRIERS
@@ -126,20 +134,15 @@ class _Place:
         return replace(self, pose=self.pose.then(correction))
 
 
-def _grown(place: _Place, response: Response, cluster: int, charge: float) -> Iterator[Reading]:
-    """Yield what locks from one cluster of cells on, the one that takes fewest corrections or one of the next.
-
-    response: of the cells at the place.
-    """
+def _grown(place: _Place, charge: float) -> Iterator[Reading]:
+    """Yield what locks from a cluster of cells on, the one that takes fewest corrections."""
+    response = place.measured()
     if not CARRIER_READABLE <= len(response) <= CARRIER_MOST:
         return
     places = response.measured.cells.nodes.astype(np.float64)
     typical = response.measured.turn(response.gradient, TYPICAL_STEP)
-    orders = neighbourhoods(typical * CROP_EXPECTED, places, response.measured.keys.weight, cluster + 1)[
-        cluster:
-    ]
-    locks = grown_locks(response, CROP_EXPECTED, LOCK_STEPS[:LARGE_STEPS], orders, MOST_FIRST)
-    for step, correction, tried in locks:
+    orders = neighbourhoods(typical * CROP_EXPECTED, places, response.measured.keys.weight, 1)
+    for step, correction, tried in grown_locks(response, CROP_EXPECTED, LOCK_STEPS, orders, MOST_FIRST):
         yield _anew(place.then(correction), step, charge * tried)
 
 

@@ -18,6 +18,7 @@ from meshmark.ownership.points.carried_coordinates import Carried
 from meshmark.ownership.points.parameters import SHARES, STEPS, SURELY_SKEW
 from meshmark.ownership.points.point_choice import Choice
 from meshmark.ownership.points.point_reading import CHOICES, Framed
+from meshmark.ownership.quick_waves import quick_cosine
 from meshmark.ownership.search.at_points import readings_of_points
 from meshmark.ownership.search.inverse_smoothing import SHAPES
 from meshmark.ownership.search.search import Search
@@ -27,13 +28,11 @@ __all__ = ["readings_of_points_unsmoothed"]
 # Coordinates by which a shape is judged in each turn, of the likeliest label; and what the chance of its best lock
 # must be below, over all that are tried, for it to be read.
 JUDGES, BELIEVED = 4000, 1e-3
-# Shapes of this number of times the area are left out: of coarse models the right one may have hundreds.
-ROUGHEST = 1000.0
 
 
 def readings_of_points_unsmoothed(search: Search) -> Iterator[Reading]:
     """Yield the readings of those surfaces that the suspect may have been before whose points lock."""
-    for before in search.smoothed_from(ROUGHEST):
+    for before in search.before_smoothing:
         if _may_lock(search, before):
             there = replace(search, surface=before)
             for reading in readings_of_points(there, swept=False):
@@ -60,7 +59,7 @@ def _least_chance(framed: Framed) -> float:
     order = np.argsort(framed.keys.draw[few], kind="stable")
     draw, place, dither = (each[few][order] for each in (framed.keys.draw, framed.points, framed.keys.dither))
     room = framed.room[:, np.nonzero(few)[0][order]]
-    cosine = np.cos(4.0 * np.pi * (place / STEPS[:, None] - dither))
+    cosine = quick_cosine(2.0 * (place / STEPS[:, None] - dither))
     most = 0.0
     for mode, coordinates in enumerate(framed.coordinates):
         carries = room & coordinates[few][order]
@@ -68,7 +67,7 @@ def _least_chance(framed: Framed) -> float:
         ends = np.searchsorted(draw, cuts) - 1
         ends = ends[ends >= 0]
         count = np.cumsum(carries, axis=1)[:, ends]
-        score = np.cumsum(np.where(carries, cosine, 0.0), axis=1)[:, ends]
+        score = np.cumsum(np.where(carries, cosine, 0.0), axis=1, dtype=np.float64)[:, ends]
         locks = np.where((count >= framed.readable) & (score > 0.0), score**2 / np.maximum(count, 1), 0.0)
         most = max(most, float(locks.max(initial=0.0)))
     return -most / float(np.log(10.0))

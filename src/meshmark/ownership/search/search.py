@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
 
 from meshmark.certificate.certificate import Certificate
 from meshmark.coding.keys import Key
-from meshmark.geometry.areas import face_areas
 from meshmark.geometry.surface import Surface
 from meshmark.mesh import FloatArray, Mesh
 from meshmark.ownership.carriers.lattice import Lattice
@@ -25,7 +24,7 @@ from meshmark.ownership.parameters import (
 from meshmark.ownership.points.parameters import DEAREST_LABEL as DEAREST_AT_POINTS
 from meshmark.ownership.points.parameters import MOST_POINTS
 from meshmark.ownership.points.point_lattice import PointLattice
-from meshmark.ownership.search.inverse_smoothing import shapes_before
+from meshmark.ownership.search.inverse_smoothing import LARGEST_AREA, shapes_before
 from meshmark.ownership.search.trials import TrialCounter
 
 __all__ = ["EFFORTS", "Search"]
@@ -90,15 +89,9 @@ class Search:
 
     @cached_property
     def before_smoothing(self) -> tuple[Surface, ...]:
-        """The surfaces that this may have been before it was smoothed."""
-        return tuple(self.surface.moved(points) for points in shapes_before(self.surface))
-
-    def smoothed_from(self, roughest: float) -> Iterator[Surface]:
-        """Yield those of `before_smoothing` that have less than `roughest` times the area of the surface."""
-        area = face_areas(self.surface.points, self.surface.faces).sum()
-        for before in self.before_smoothing:
-            if face_areas(before.points, before.faces).sum() < roughest * area:
-                yield before
+        """The surfaces that this may have been before it was smoothed, without those that no model is like."""
+        shapes = (self.surface.moved(points) for points in shapes_before(self.surface))
+        return tuple(shape for shape in shapes if shape.frame.area < LARGEST_AREA)
 
     @cached_property
     def _longest(self) -> float:

@@ -74,6 +74,16 @@ def _undoes_damage(search: Search) -> bool:
     return _looks_further(search) and search.has_cells
 
 
+def _undoes_stretches(search: Search) -> bool:
+    """Return whether a stretch is to be undone: it leaves triangles as long as an embedding saw them."""
+    return _undoes_damage(search) and not search.suits_points
+
+
+def _undoes_crops(search: Search) -> bool:
+    """Return whether a crop is to be undone; of meshes with long triangles none ever told an id (decision 0048)."""
+    return _undoes_damage(search) and (search.wide or search.bears_filters)
+
+
 def _is_coarse(search: Search) -> bool:
     return _undoes_damage(search) and search.is_coarse
 
@@ -159,13 +169,13 @@ STRATEGIES: tuple[Strategy, ...] = (
     Strategy(
         name="stretched",
         readings=late_function("meshmark.ownership.search.stretched", "stretched_readings"),
-        applies=_undoes_damage,
+        applies=_undoes_stretches,
         cost=5.0,
     ),
     Strategy(
         name="cropped",
         readings=late_function("meshmark.ownership.search.cropped", "cropped_readings"),
-        applies=_undoes_damage,
+        applies=_undoes_crops,
         cost=30.0,
     ),
 )

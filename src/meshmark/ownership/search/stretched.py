@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from meshmark.ownership.carriers.reading import Reading
-from meshmark.ownership.parameters import LARGE_STEPS, LOCK_STEPS
+from meshmark.ownership.parameters import LOCK_STEPS
 from meshmark.ownership.search.locked import grown_readings
 from meshmark.ownership.search.restoration import stretched
 from meshmark.ownership.search.restored import hypotheses
@@ -24,6 +24,5 @@ DRIFT = 0.6
 def stretched_readings(search: Search) -> Iterator[Reading]:
     """Yield readings of the suspect as it was before a small stretch, whose lock is credible."""
     shapes = Shapes(search.surface)
-    steps = LOCK_STEPS if search.wide else LOCK_STEPS[:LARGE_STEPS]
     for hypothesis in hypotheses(search, shapes, stretched(search.surface.points)):
-        yield from grown_readings(shapes, hypothesis, steps, DRIFT, search.trials.charge())
+        yield from grown_readings(shapes, hypothesis, LOCK_STEPS, DRIFT, search.trials.charge())

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice, product
 from typing import Final
 
@@ -38,9 +38,6 @@ from meshmark.ownership.search.shapes import Shapes
 
 __all__ = ["unsmoothed_readings"]
 
-# Where more is undone than was done the surface gets rough. One with this number of times the area was never that
-# of a model marked in cells: the longer it took to read its samples.
-ROUGHEST: Final = 6.0
 # Shapes are first read with samples up to this long, in spacings. A lock that is credible by the usual ones is less
 # likely by chance there than 10^SCREENED (decision 0044); without a mark one in thirty is.
 COARSE_SAMPLE, SCREENED = 0.5, -1.5
@@ -75,7 +72,9 @@ def unsmoothed_readings(search: Search) -> Iterator[Reading]:
     coarse, usual = Shapes(search.surface, longest=COARSE_SAMPLE), Shapes(search.surface)
     labels = LABELS[search.effort] if search.wide else 1
     tried = TRIED * TURNS[search.wide] * labels
-    for before in search.smoothed_from(ROUGHEST):
+    for before in search.before_smoothing:
+        if replace(search, surface=before).suits_points:  # smoothing left its triangles: no cells were tried
+            continue
         for guess in _guesses(search, coarse, usual, before):
             if guess.log10_chance + np.log10(tried) < CREDIBLE_LOG10:
                 yield guess.read(search, search.trials.charge() * tried)

@@ -23,11 +23,12 @@ def carrier_figures(mesh: Mesh, rng: np.random.Generator) -> dict[str, Any]:
     """Return for "network" and "rule" lists with an entry for each reading after a lock that succeeded.
 
     errors: share of wrong signs; information: bits per carrier; decoded, decoded_half: whether the id comes back
-    from all and from half of the carriers. Raises `CapacityError` for a model without room for a mark.
+    from all and from half of the carriers. Raises `CapacityError` for a model whose cells have no room for
+    a mark.
     """
     marked = mark(mesh, rng)
     if marked is None:
-        raise CapacityError("the model has no room for a mark")
+        raise CapacityError("the cells of the model have no room for a mark")
     figures: dict[str, dict[str, list[float]]] = {
         name: {"errors": [], "information": [], "decoded": [], "decoded_half": []} for name in EXTRACTIONS
     }
