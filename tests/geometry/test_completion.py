@@ -10,6 +10,8 @@ import pytest
 
 from meshmark.geometry.completion import completed_frames, frame_distance
 from meshmark.geometry.frame import canonical_frame
+from meshmark.geometry.invariants import sampled_invariants, shape_invariants
+from meshmark.geometry.sampling import plan_samples
 from tests.counting import some
 from tests.shapes import pebble
 
@@ -42,6 +44,23 @@ def test_frames_are_apart_and_rotations():
         assert np.linalg.det(frame.axes) == pytest.approx(1.0)
         assert frame.moments.sum() == pytest.approx(1.0)
     assert all(frame_distance(one, other) > 0.045 for other, one in some(combinations(frames, 2)))
+
+
+@pytest.mark.parametrize("share", [0.03, 0.09])
+def test_with_its_cap_the_part_is_shaped_as_the_whole(share):
+    """The invariants of the best of the first frames are nearer to those of the whole than the part's own are."""
+    points, faces, part = cropped(share, 2)
+    frame = canonical_frame(points, faces)
+    whole, now = shape_invariants(points, faces, frame), shape_invariants(points, part)
+    best = np.inf
+    for each in some(completed_frames(points, part, 0.035, 12)):
+        assert each.area > 0.0
+        samples = plan_samples(points, part, 0.1 * frame.scale)(points)
+        places = each.frame.to_canonical(np.concatenate([samples.positions, each.places]))
+        areas = np.concatenate([samples.areas, np.full(len(each.places), each.area / len(each.places))])
+        completed = sampled_invariants(places, areas, each.frame)
+        best = min(best, float(np.abs(completed - whole).max()))
+    assert best < 0.5 * np.abs(now - whole).max()
 
 
 def test_a_closed_surface_has_none():

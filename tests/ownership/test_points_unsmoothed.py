@@ -11,14 +11,14 @@ from meshmark.attacks import parse_chain
 from meshmark.geometry.surface_of import surface_of
 from meshmark.marking import embed, extract
 from meshmark.mesh import Mesh
-from meshmark.ownership.search.inverse_smoothing import SHAPES
+from meshmark.ownership.search.inverse_smoothing import LARGEST_AREA, SHAPES
 from meshmark.ownership.search.points_unsmoothed import readings_of_points_unsmoothed
 from meshmark.ownership.search.search import Search
 from meshmark.ownership.search.strategies import STRATEGIES
 from meshmark.ownership.search.trials import TrialCounter
 from tests.counting import some
 from tests.keys import ID, KEY, OTHER
-from tests.low_poly import ball, box, prism
+from tests.low_poly import ball, box, joined, prism, sheet
 
 MODELS = {"ball": ball(1), "box": box((6, 5, 4), (3.0, 2.0, 1.3)), "prism": prism(16, 6, 3.0)}
 WAYS = ("smoothing:5", "smoothing:15", "smoothing_half:3", "taubin:5")
@@ -63,3 +63,30 @@ def test_under_another_key_nothing_locks():
 
 def test_a_plain_search_leaves_it_out():
     assert extract(smoothed("prism", "smoothing:5"), KEY, search="plain").presence == "absent"
+
+
+def sheets(count: int, across: int) -> Mesh:
+    """Return a pile of wavy sheets, which has far more area than a solid of its size."""
+    parts = []
+    for number in range(count):
+        points, faces = sheet(np.linspace(0.0, 1.0, across), np.linspace(0.0, 1.0, across))
+        points[:, 2] = 0.8 * number / count
+        points[:, 2] += 0.05 * np.sin(5.0 * points[:, 0] + number) * np.cos(4.0 * points[:, 1])
+        parts.append((points, faces))
+    return Mesh(*joined(parts))
+
+
+def test_a_model_of_much_area_is_among_the_shapes_that_it_may_have_had():
+    model = sheets(40, 11)
+    suspect = surface_of(parse_chain("smoothing:10")(model, np.random.default_rng(0)))
+    assert surface_of(model).frame.area > LARGEST_AREA
+    shapes = some(Search(surface=suspect, key=KEY).before_smoothing)
+    assert min(np.abs(shape.points - surface_of(model).points).max() for shape in shapes) < 1e-9
+
+
+def test_shapes_beyond_the_range_of_numbers_are_left_out():
+    points, faces = ball(2)
+    rough = points + 0.05 * np.random.default_rng(0).normal(size=points.shape)
+    near = Search(surface=surface_of(Mesh(1e3 * rough, faces)), key=KEY).before_smoothing
+    far = Search(surface=surface_of(Mesh(1e99 * rough, faces)), key=KEY).before_smoothing
+    assert 0 < len(far) <= len(near)

@@ -12,7 +12,7 @@ from meshmark.mesh import Mesh
 from meshmark.ownership.parameters import LOCK_STEPS, SPACING_TRIES
 from meshmark.ownership.search import search
 from meshmark.ownership.search import unsmoothed as module
-from meshmark.ownership.search.inverse_smoothing import SHAPES, shapes_before
+from meshmark.ownership.search.inverse_smoothing import LARGEST_AREA, SHAPES, shapes_before
 from meshmark.ownership.search.search import Search
 from meshmark.ownership.search.trials import TrialCounter
 from tests.counting import some
@@ -71,14 +71,12 @@ def test_of_another_model_nothing_is_yielded():
     assert not list(module.unsmoothed_readings(Search(surface=surface, key=KEY)))
 
 
-def test_shapes_that_are_rougher_than_any_model_are_left_out(marked, monkeypatch):
-    """As the right one is, where the limit is below its area."""
-    surface = weld(attacked(marked, "smoothing:5"))
-    assert list(module.unsmoothed_readings(Search(surface=surface, key=KEY)))
-    assert len(Search(surface=surface, key=KEY).before_smoothing) < SHAPES
-    monkeypatch.setattr(search, "LARGEST_AREA", 1.0)
-    assert not Search(surface=surface, key=KEY).before_smoothing
-    assert not list(module.unsmoothed_readings(Search(surface=surface, key=KEY)))
+def test_shapes_that_got_rough_are_left_out(marked):
+    surface = weld(attacked(marked, "smoothing:5+noise:0.01"))
+    areas = [shape.frame.area for shape in Search(surface=surface, key=KEY).before_smoothing]
+    assert 0 < len(areas) < SHAPES
+    assert max(areas) < max(LARGEST_AREA, 2.0 * surface.frame.area)
+    assert len(areas) < len(Search(surface=surface, key=KEY, effort="wide").before_smoothing)
 
 
 def test_a_fine_mesh_is_left_to_the_restorations(marked, monkeypatch):

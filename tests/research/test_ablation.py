@@ -12,8 +12,10 @@ from meshmark.mesh import Mesh
 from meshmark.research.ablation.detection_speed import detection_figures
 from meshmark.research.ablation.modules import FULL, SALIENCY, SEGMENTATION, Modules, region_map
 from meshmark.research.ablation.region_maps import CHOICES, agreement, region_figures
+from meshmark.research.ablation.soft_bits import carrier_figures
 from meshmark.segmentation.analysis import segment
 from tests.counting import some
+from tests.low_poly import ball
 from tests.shapes import pebble
 
 
@@ -91,3 +93,8 @@ def test_times_are_of_all_ways():
     assert all(each["seconds"] > 0.0 and each["points"] > 0 for each in some(figures.values()))
     with pytest.raises(CapacityError, match="no face"):
         detection_figures(Mesh(np.eye(3), np.zeros((0, 3), np.int64)), np.random.default_rng(1))
+
+
+def test_a_model_that_carries_at_its_points_has_no_cells_to_read():
+    with pytest.raises(CapacityError, match="the cells of the model have no room"):
+        carrier_figures(Mesh(*ball(2)), np.random.default_rng(0))

@@ -58,7 +58,10 @@ class _Frames:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Completed:
-    """The frame of a surface together with a cap: its area, and places (6, 3) that stand for a sixth of it each."""
+    """A cap over the cut of a surface, and the frame of the surface together with it.
+
+    area: of the cap; places: (6, 3) with its centroid and its covariance, each for a sixth of its area.
+    """
 
     frame: Frame
     area: float
@@ -66,9 +69,9 @@ class Completed:
 
 
 def completed_frames(points: FloatArray, faces: IntArray, apart: float, most: int) -> list[Completed]:
-    """Return up to `most` frames, likeliest first, none where the surface has no planar cut.
+    """Return up to `most` caps with their frames, likeliest first, none where the surface has no planar cut.
 
-    apart: how far kept frames are from each other at least, as `frame_distance`.
+    apart: how far these frames are from each other at least, as `frame_distance`.
     """
     cut = find_cut(points, faces)
     if cut is None:
@@ -155,9 +158,7 @@ def _frame(frames: _Frames, i: int) -> Frame:
         centre=frames.centre[i],
         scale=float(frames.scale[i]),
         axes=np.ascontiguousarray(frames.axes[i]),
-        moments=np.maximum(
-            frames.moments[i], 0.0
-        ),  # a cap's second moments are drawn, not those of a surface
+        moments=frames.moments[i],
         area=float(frames.area[i]),
         skewness=frames.skewness[i],
     )
@@ -172,7 +173,7 @@ def _places(caps: _Caps, i: int) -> FloatArray:
 
 def _thinned(frames: _Frames, apart: float, most: int) -> IntArray:
     """Return frames at least so far from each other that stand for the most others, those first."""
-    left = np.arange(len(frames.scale))
+    left = np.flatnonzero(frames.moments[:, -1] >= 0.0)  # others are of caps that no surface has
     kept: list[tuple[int, int]] = []
     # Dense places are met early: after many kept, the next would stand for few.
     while len(left) and len(kept) < RANKED * most:

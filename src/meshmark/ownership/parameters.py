@@ -181,7 +181,7 @@ CROP_SPACINGS: Final = 2
 # Number of spacings that are read in each frame that an original gives.
 ORIGINAL_SPACINGS: Final = 3
 # Most labels of the lattice that are tried for each shape that a suspect may have had, and the highest price of any
-# but the first: of a shape as it stands, and of one from which smoothing was taken back (decision 0020).
+# but the first: of a shape as it stands, and of one from which smoothing or a crop was taken back (decision 0020).
 LABELS: Final = {"plain": 2, "quick": 6, "wide": 8}
 DEAREST_LABEL: Final = 0.01
 DEAREST_UNDONE: Final = 0.02

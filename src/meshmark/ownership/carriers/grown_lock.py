@@ -1,8 +1,9 @@
-"""Locking a few neighbouring cells first and growing from there (docs/design.md, section 4, lattice lock).
+"""Locking a few cells first and growing from there (docs/design.md, section 4, lattice lock).
 
-A cluster of cells on one side of the model hardly feels a turn or a growth about its own centre: it is locked with
-thousands of times fewer corrections than all cells at once. The best are then held to wider and wider clusters,
-each of which leaves little to search in the next.
+Cells whose phases are single, the pilots, are locked with far fewer corrections than all at once, as the phases of
+the others are doubled. Where there are more pilots than needed, those of one side of the model are taken, which
+hardly feel a turn or a growth about their own centre. The best corrections are then held to more and more cells, each
+time with little left to search.
 """
 
 from __future__ import annotations
@@ -13,11 +14,10 @@ from meshmark.mesh import FloatArray, IntArray
 from meshmark.ownership.carriers.lock import Lock, LockSearch
 from meshmark.ownership.carriers.lock_grid import grid_size
 
-__all__ = ["MOST_FIRST", "grown", "neighbourhoods"]
+__all__ = ["MOST_FIRST", "grown", "neighbourhood"]
 
-# Cells in the first cluster, those of most weight (pilots: single phases take few corrections even far apart), and
-# by how much the next is larger. Cells of a mark that is not to be seen say little each: of 45 two thirds as many
-# locks stand out as of 80, and of 120 no more (decision 0048).
+# Cells that are locked first, of those of most weight (mostly all pilots), and by how much the next are more. Cells
+# of a mark that is not to be seen say little each: by 45 two thirds as many locks stand out (decision 0048).
 FIRST, GROWTH = 80, 2.2
 # Corrections tried at most in the first cluster and in the others.
 MOST_FIRST, MOST_NEXT = 400_000, 4_000
@@ -25,32 +25,22 @@ MOST_FIRST, MOST_NEXT = 400_000, 4_000
 KEPT, STANDS_OUT = 5, 5.5
 # On the grid the score is at least about this share of what it is at the top next to it.
 ON_GRID = 0.65
-# Number of places around which clusters are tried.
+# Number of places of which one is the middle of the first cluster.
 PLACES = 40
 RADIUS, NEXT_RADIUS = 2.5, 3.0
 
 
-def neighbourhoods(
-    response: FloatArray, places: FloatArray, weight: FloatArray, count: int
-) -> list[IntArray]:
-    """Return orders of the cells (n,), each by the distance from where a cluster takes few corrections.
+def neighbourhood(response: FloatArray, places: FloatArray, weight: FloatArray) -> IntArray:
+    """Return the order of the cells (n,) by the distance from where a first cluster takes fewest corrections.
 
-    The first takes fewest; of the next ones no first cluster shares a cell with those before.
     response: (n, d) change of the phases per standard deviation of each part; places: (n, 3) of the cells; weight:
     (n,) as in `LockSearch`.
     """
     if len(places) <= FIRST:
-        return [np.arange(len(places))]
+        return np.arange(len(places))
     centres = places[:: -(-len(places) // PLACES)]
-    orders = [np.argsort(((places - centre) ** 2).sum(axis=1), kind="stable") for centre in centres]
-    orders.sort(key=lambda order: grid_size(response[_first(order, weight)], RADIUS))
-    chosen: list[IntArray] = []
-    taken = np.zeros(len(places), dtype=bool)
-    for order in orders:
-        if len(chosen) < count and not taken[_first(order, weight)].any():
-            chosen.append(order)
-            taken[_first(order, weight)] = True
-    return chosen
+    orders = (np.argsort(((places - centre) ** 2).sum(axis=1), kind="stable") for centre in centres)
+    return min(orders, key=lambda order: grid_size(response[_first(order, weight)], RADIUS))
 
 
 def _first(order: IntArray, weight: FloatArray) -> IntArray:
@@ -71,7 +61,7 @@ def grown(
     """Return the best correction found, or None where the first cluster does not lock.
 
     psi, gradient, expected: as in `LockSearch`; order: (n,) of the cells, those of the first cluster first (see
-    `neighbourhoods`); most: corrections tried in the first cluster.
+    `neighbourhood`); most: corrections tried in the first cluster.
     `tried` of the result counts the corrections that all cells together could distinguish within the radius; its
     score is that of the best of them.
     """

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshmark.mesh import FloatArray
-from meshmark.ownership.points.parameters import KEPT_SHARE, MODES, STEPS
+from meshmark.ownership.points.parameters import KEPT_SHARE, MODES, SHARES, STEPS
 
-__all__ = ["Choice", "step_number"]
+__all__ = ["Choice", "cuts_of", "step_number"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,6 +38,11 @@ class Choice:
         keys.
         """
         return np.asarray(coordinates & room[:, None] & (draw < self.cut))
+
+
+def cuts_of(mode: int) -> list[float]:
+    """Return the draw below which coordinates carry for each of `SHARES` of a mode."""
+    return [Choice(step=1.0, mode=mode, share=share).cut for share in SHARES]
 
 
 def step_number(step: float) -> int:

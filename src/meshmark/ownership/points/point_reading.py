@@ -18,7 +18,7 @@ from meshmark.ownership.carriers.reading import Reading
 from meshmark.ownership.points.carried_coordinates import Carried
 from meshmark.ownership.points.lock_chance import log10_lock_chance, log10_loose_chance
 from meshmark.ownership.points.parameters import FEW_POINTS, MODES, READABLE, SHARES, SIDE, STEPS
-from meshmark.ownership.points.point_choice import Choice, step_number
+from meshmark.ownership.points.point_choice import Choice, cuts_of, step_number
 from meshmark.ownership.points.point_lattice import PointKeys, PointLattice
 from meshmark.ownership.points.screened_shares import ScreenedShares
 from meshmark.ownership.quick_waves import quick_wave
@@ -167,8 +167,7 @@ class Framed:
                 last, modes = room, []
                 for mode, coordinates in enumerate(self.coordinates):
                     carries = (coordinates & room[:, None])[few][order]
-                    cuts = [Choice(step=1.0, mode=mode, share=share).cut for share in SHARES]
-                    modes.append(ScreenedShares.of(carries, draw, group, cuts, self.readable))
+                    modes.append(ScreenedShares.of(carries, draw, group, cuts_of(mode), self.readable))
             cosine, sine = quick_wave(2.0 * (place / step - dither))
             for mode, shares in enumerate(modes):
                 chances = shares.log10_chances(cosine, sine)

@@ -19,7 +19,7 @@ from meshmark.geometry.frame import Frame
 from meshmark.geometry.invariants import LONGEST, sampled_invariants
 from meshmark.geometry.sampling import SamplerPlans, Samples, gathered
 from meshmark.mesh import FloatArray
-from meshmark.ownership.carriers.grown_lock import MOST_FIRST, neighbourhoods
+from meshmark.ownership.carriers.grown_lock import MOST_FIRST, neighbourhood
 from meshmark.ownership.carriers.lattice import Lattice
 from meshmark.ownership.carriers.lattice_label import Label
 from meshmark.ownership.carriers.pose import Pose, pose_gradient
@@ -135,14 +135,14 @@ class _Place:
 
 
 def _grown(place: _Place, charge: float) -> Iterator[Reading]:
-    """Yield what locks from a cluster of cells on, the one that takes fewest corrections."""
+    """Yield what locks from a first cluster of cells on."""
     response = place.measured()
     if not CARRIER_READABLE <= len(response) <= CARRIER_MOST:
         return
     places = response.measured.cells.nodes.astype(np.float64)
     typical = response.measured.turn(response.gradient, TYPICAL_STEP)
-    orders = neighbourhoods(typical * CROP_EXPECTED, places, response.measured.keys.weight, 1)
-    for step, correction, tried in grown_locks(response, CROP_EXPECTED, LOCK_STEPS, orders, MOST_FIRST):
+    order = neighbourhood(typical * CROP_EXPECTED, places, response.measured.keys.weight)
+    for step, correction, tried in grown_locks(response, CROP_EXPECTED, LOCK_STEPS, order, MOST_FIRST):
         yield _anew(place.then(correction), step, charge * tried)
 
 

@@ -32,11 +32,10 @@ TERMS: Final = 300
 
 SHAPES: Final = sum(map(len, SMOOTHINGS.values()))
 """Number of shapes at most."""
-
-
 LARGEST_AREA: Final = 160.0
 """Where more is undone than was done the surface gets rough: its area over the squared scale of its frame goes up
-to thousands. Of 659 training models none has more than 113, a sphere 12.6: what has more is none (0048)."""
+to thousands. What has more than this, and than twice what the suspect has, is left out unless the search is wide,
+and then what has ten times as much: of 659 training models none has more than 113 (decision 0048)."""
 
 
 def shapes_before(surface: Surface) -> Iterator[FloatArray]:

@@ -7,13 +7,12 @@ growth from a cluster of cells where the frame is off by more (`grown_readings`)
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import product
 from math import isclose
 
 import numpy as np
 
 from meshmark.mesh import FloatArray, IntArray
-from meshmark.ownership.carriers.grown_lock import grown, neighbourhoods
+from meshmark.ownership.carriers.grown_lock import grown, neighbourhood
 from meshmark.ownership.carriers.lock import LockSearch, StepSearch
 from meshmark.ownership.carriers.quantisation import log10_lock_chance
 from meshmark.ownership.carriers.reading import Reading
@@ -35,9 +34,7 @@ __all__ = ["grown_locks", "grown_readings", "locked_readings", "relocked"]
 
 # Peaks of one step whose scores differ by less than this share are the same.
 SAME_PEAK = 1e-3
-# Clusters of cells that a stretch is looked for from.
-CLUSTERS = 3
-# Corrections tried in each: twelve directions need more than seven.
+# Corrections tried in the first cluster: twelve directions need more than seven.
 STRETCH_GRID = 1_000_000
 
 
@@ -82,7 +79,7 @@ def _distinct(found: list[tuple[float, float, FloatArray]]) -> list[tuple[float,
 def grown_readings(
     shapes: Shapes, hypothesis: Hypothesis, steps: Sequence[float], drift: float, charge: float
 ) -> Iterator[Reading]:
-    """Yield what locks from any of a few clusters of cells on.
+    """Yield what locks from a first cluster of cells on.
 
     drift: expected deviation of the frame, over the usual one; charge: of this trial.
     """
@@ -92,8 +89,8 @@ def grown_readings(
     expected = np.concatenate([LOCK_EXPECTED * drift, hypothesis.restoration.expected])
     places = response.measured.cells.nodes.astype(np.float64)
     typical = response.measured.turn(response.gradient, TYPICAL_STEP)
-    orders = neighbourhoods(typical * expected, places, response.measured.keys.weight, CLUSTERS)
-    for step, correction, tried in grown_locks(response, expected, steps, orders, STRETCH_GRID):
+    order = neighbourhood(typical * expected, places, response.measured.keys.weight)
+    for step, correction, tried in grown_locks(response, expected, steps, order, STRETCH_GRID):
         yield _again(shapes.corrected(hypothesis, correction), step, charge * tried)
 
 
@@ -101,15 +98,15 @@ def grown_locks(
     response: Response,
     expected: FloatArray,
     steps: Sequence[float],
-    orders: Sequence[IntArray],
+    order: IntArray,
     most: int,
 ) -> Iterator[tuple[float, FloatArray, float]]:
-    """Yield (step, correction (d,), hypotheses tried) of each credible lock that grows from a cluster.
+    """Yield (step, correction (d,), hypotheses tried) of each credible lock that grows from the first cluster.
 
-    expected, orders, most: as in `grown`.
+    expected, order, most: as in `grown`.
     """
-    for step, order in product(steps, orders):
-        measured = response.measured
+    measured = response.measured
+    for step in steps:
         psi = measured.psi(step)
         turn = measured.turn(response.gradient, step)
         lock = grown(psi, turn, expected, order, most, weight=measured.keys.weight)

@@ -15,8 +15,8 @@ from meshmark.geometry.frame import frame_alternatives
 from meshmark.geometry.surface import Surface
 from meshmark.ownership.carriers.reading import Reading
 from meshmark.ownership.points.carried_coordinates import Carried
-from meshmark.ownership.points.parameters import SHARES, STEPS, SURELY_SKEW
-from meshmark.ownership.points.point_choice import Choice
+from meshmark.ownership.points.parameters import STEPS, SURELY_SKEW
+from meshmark.ownership.points.point_choice import cuts_of
 from meshmark.ownership.points.point_reading import CHOICES, Framed
 from meshmark.ownership.quick_waves import quick_cosine
 from meshmark.ownership.search.at_points import readings_of_points
@@ -63,8 +63,7 @@ def _least_chance(framed: Framed) -> float:
     most = 0.0
     for mode, coordinates in enumerate(framed.coordinates):
         carries = room & coordinates[few][order]
-        cuts = [Choice(step=1.0, mode=mode, share=share).cut for share in SHARES]
-        ends = np.searchsorted(draw, cuts) - 1
+        ends = np.searchsorted(draw, cuts_of(mode)) - 1
         ends = ends[ends >= 0]
         count = np.cumsum(carries, axis=1)[:, ends]
         score = np.cumsum(np.where(carries, cosine, 0.0), axis=1, dtype=np.float64)[:, ends]

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
+from math import inf
 
 from meshmark.certificate.certificate import Certificate
 from meshmark.coding.keys import Key
+from meshmark.errors import InputError
 from meshmark.geometry.surface import Surface
 from meshmark.mesh import FloatArray, Mesh
 from meshmark.ownership.carriers.lattice import Lattice
@@ -27,7 +29,7 @@ from meshmark.ownership.points.point_lattice import PointLattice
 from meshmark.ownership.search.inverse_smoothing import LARGEST_AREA, shapes_before
 from meshmark.ownership.search.trials import TrialCounter
 
-__all__ = ["EFFORTS", "Search"]
+__all__ = ["EFFORTS", "Search", "leaves_out_cells"]
 
 EFFORTS = ("plain", "quick", "wide")
 # A mesh with more points is no coarse one: what `restoration.py` undoes is enough there.
@@ -85,19 +87,20 @@ class Search:
     @cached_property
     def suits_points(self) -> bool:
         """Return whether an embedding would have left out cells at once, so that points are read first."""
-        return self._longest > LONG_EDGES[1] and len(self.surface.points) <= MOST_POINTS
+        if isinstance(self.reference, Certificate) and not self.reference.at_points:
+            return False
+        return leaves_out_cells(self.surface)
 
     @cached_property
     def before_smoothing(self) -> tuple[Surface, ...]:
-        """The surfaces that this may have been before it was smoothed, without those that no model is like."""
+        """The surfaces that this may have been before it was smoothed, without those that got too rough."""
+        most = max(LARGEST_AREA * (10.0 if self.wide else 1.0), 2.0 * self.surface.frame.area)
         shapes = (self.surface.moved(points) for points in shapes_before(self.surface))
-        return tuple(shape for shape in shapes if shape.frame.area < LARGEST_AREA)
+        return tuple(shape for shape in shapes if _frame_area(shape) < most)
 
     @cached_property
     def _longest(self) -> float:
-        """Mean longest edge of the triangles, in lattice spacings."""
-        frame = self.surface.frame
-        return self.surface.mean_face_length / (preferred_spacings(frame.area)[0] * frame.scale)
+        return _longest_edges(self.surface)
 
     @cached_property
     def _point_lattices(self) -> dict[Label, PointLattice]:
@@ -112,7 +115,7 @@ class Search:
     ) -> tuple[Label, ...]:
         """Return the labels of the lattices that a shape of these invariants may carry, likeliest first.
 
-        undone: smoothing was taken back, not quite as much as there was. at_points: what carries are points, which
+        undone: smoothing or a crop was taken back, not quite as it was. at_points: what carries are points, which
         bear less than cells.
         """
         if self.label is not None:
@@ -138,3 +141,22 @@ class Search:
     def spacings_for(self, area: float) -> Iterable[float]:
         """Return the spacings to read on a surface of this canonical area, likeliest first."""
         return preferred_spacings(area) if self.spacings is None else self.spacings
+
+
+def leaves_out_cells(surface: Surface) -> bool:
+    """Return whether an embedding tries points alone, as triangles are too long for cells."""
+    return _longest_edges(surface) > LONG_EDGES[1] and len(surface.points) <= MOST_POINTS
+
+
+def _longest_edges(surface: Surface) -> float:
+    """Mean longest edge of the triangles, in lattice spacings."""
+    frame = surface.frame
+    return surface.mean_face_length / (preferred_spacings(frame.area)[0] * frame.scale)
+
+
+def _frame_area(surface: Surface) -> float:
+    """Return the area over the squared scale of the frame; infinite where that is beyond the range of numbers."""
+    try:
+        return surface.frame.area
+    except InputError:
+        return inf

@@ -75,8 +75,8 @@ def _undoes_damage(search: Search) -> bool:
 
 
 def _undoes_stretches(search: Search) -> bool:
-    """Return whether a stretch is to be undone: it leaves triangles as long as an embedding saw them."""
-    return _undoes_damage(search) and not search.suits_points
+    """Return whether a stretch is to be undone: not where cells were left out, unless triangles grew since then."""
+    return _undoes_damage(search) and (search.wide or not search.suits_points)
 
 
 def _undoes_crops(search: Search) -> bool:

@@ -1,6 +1,6 @@
 """Strategy: the suspect as it was before a small non-uniform scaling.
 
-A stretch moves cells by many steps; grown from a cluster that hardly feels it, the lock finds it all the same.
+A stretch moves cells by many steps; grown from cells with single phases, the lock finds it all the same.
 """
 
 from __future__ import annotations

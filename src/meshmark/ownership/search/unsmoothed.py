@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import islice, product
 from typing import Final
 
@@ -33,7 +33,7 @@ from meshmark.ownership.parameters import (
 from meshmark.ownership.search.inverse_smoothing import SHAPES
 from meshmark.ownership.search.measurement import CellReading, Measurement, read_cells
 from meshmark.ownership.search.restoration import Shape
-from meshmark.ownership.search.search import Search
+from meshmark.ownership.search.search import Search, leaves_out_cells
 from meshmark.ownership.search.shapes import Shapes
 
 __all__ = ["unsmoothed_readings"]
@@ -73,7 +73,7 @@ def unsmoothed_readings(search: Search) -> Iterator[Reading]:
     labels = LABELS[search.effort] if search.wide else 1
     tried = TRIED * TURNS[search.wide] * labels
     for before in search.before_smoothing:
-        if replace(search, surface=before).suits_points:  # smoothing left its triangles: no cells were tried
+        if leaves_out_cells(before) and not search.wide:
             continue
         for guess in _guesses(search, coarse, usual, before):
             if guess.log10_chance + np.log10(tried) < CREDIBLE_LOG10:
