@@ -2,8 +2,8 @@
 
 Cells whose phases are single, the pilots, are locked with far fewer corrections than all at once, as the phases of
 the others are doubled. Where there are more pilots than needed, those of one side of the model are taken, which
-hardly feel a turn or a growth about their own centre. The best corrections are then held to more and more cells, each
-time with little left to search.
+hardly feel a turn or a growth about their own centre. The best corrections are then held to more and more cells,
+each time with little left to search.
 """
 
 from __future__ import annotations
