@@ -39,6 +39,8 @@ def neighbourhood(response: FloatArray, places: FloatArray, weight: FloatArray) 
     if len(places) <= FIRST:
         return np.arange(len(places))
     centres = places[:: -(-len(places) // PLACES)]
+    if np.count_nonzero(weight == weight.max()) <= FIRST:  # all of them, wherever the middle is
+        centres = centres[:1]
     orders = (np.argsort(((places - centre) ** 2).sum(axis=1), kind="stable") for centre in centres)
     return min(orders, key=lambda order: grid_size(response[_first(order, weight)], RADIUS))
 
