@@ -12,7 +12,7 @@ from meshmark.research.benchmark.run.run import Finished, Plan, run
 from meshmark.research.benchmark.run.sample_shape import lopsided
 from tests.research.benchmark.runs import install
 
-NAMES = ("Toy", "Crashing", "Hanging", "Hungry", "Broken", "Short", "Informed")
+NAMES = ("Toy", "Crashing", "Hanging", "Hungry", "Broken", "Short", "Informed", "Sorting")
 
 
 @pytest.fixture(scope="session")

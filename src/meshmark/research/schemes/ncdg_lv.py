@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from operator import attrgetter
+
 import numpy as np
 
 from meshmark.certificate.certificate import Certificate
@@ -12,10 +14,12 @@ from meshmark.coding.message import ID_BITS, bits_of
 from meshmark.errors import InputError
 from meshmark.geometry.weld import weld
 from meshmark.mesh import Mesh
+from meshmark.ownership.decoding import Found
 from meshmark.ownership.embedding import embed
 from meshmark.ownership.extraction import find
+from meshmark.ownership.parameters import PRESENT_LOG10
 from meshmark.ownership.search.search import Search
-from meshmark.research.schemes.scheme import Bits, Readout
+from meshmark.research.schemes.scheme import Bits, Readout, SharedMark
 from meshmark.threads import on_one_thread
 
 __all__ = ["NcdgLv", "NcdgLvCertificate", "NcdgLvOriginal"]
@@ -39,21 +43,7 @@ class NcdgLv:
     def extract(self, mesh: Mesh, key: Key, *, reference: Mesh | Certificate | None = None) -> Readout:
         """See `Scheme.extract`; blind, the reference is not looked at."""
         known = None if self.blind else reference
-        found = find(Search(surface=weld(mesh), key=key, effort=self.effort, reference=known))
-        if found.reading is None:
-            return Readout(
-                bits=_to_bits(0), present=False, log10_false_positive=0.0, raw=np.zeros(Codec(key).n)
-            )
-        observed = found.reading.observed()
-        identity = found.id
-        if identity is None or bits_of(identity) != ID_BITS:
-            identity = Codec(key).decode(observed).guess
-        return Readout(
-            bits=_to_bits(identity),
-            present=found.present,
-            log10_false_positive=found.log10_false_positive,
-            raw=observed,
-        )
+        return _readout(find(Search(surface=weld(mesh), key=key, effort=self.effort, reference=known)), key)
 
     def code(self, bits: Bits, key: Key) -> Bits:
         """Return the code bits (4096,) that stand for a payload (64,)."""
@@ -66,6 +56,16 @@ class NcdgLvOriginal(NcdgLv):
     title = "NCDG-LV with the original"
     source = "NCDG-LV, ownership layer (docs/design.md, section 6)"
     blind = False
+    shared = SharedMark(scheme="ncdg_lv", log10_present=PRESENT_LOG10)
+
+    @on_one_thread
+    def extract_by_reference(self, mesh: Mesh, key: Key, *, reference: Mesh | Certificate) -> Readout:
+        """Read in the frames that the reference gives, and elsewhere only where these show a mark without an id."""
+        search = Search(surface=weld(mesh), key=key, effort=self.effort, reference=reference)
+        found = find(search, attrgetter("by_reference"))
+        if found.present and found.id is None:
+            return self.extract(mesh, key, reference=reference)
+        return _readout(found, key)
 
 
 class NcdgLvCertificate(NcdgLvOriginal):
@@ -87,6 +87,21 @@ class NcdgLvCertificate(NcdgLvOriginal):
             lattice=str(reading.label),
             at_points=reading.at_points,
         )
+
+
+def _readout(found: Found, key: Key) -> Readout:
+    if found.reading is None:
+        return Readout(bits=_to_bits(0), present=False, log10_false_positive=0.0, raw=np.zeros(Codec(key).n))
+    observed = found.reading.observed()
+    identity = found.id
+    if identity is None or bits_of(identity) != ID_BITS:
+        identity = Codec(key).decode(observed).guess
+    return Readout(
+        bits=_to_bits(identity),
+        present=found.present,
+        log10_false_positive=found.log10_false_positive,
+        raw=observed,
+    )
 
 
 def _to_id(bits: Bits) -> int:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from meshmark.coding.keys import Key
 from meshmark.mesh import FloatArray, Mesh
 
-__all__ = ["Bits", "Readout", "Scheme"]
+__all__ = ["Bits", "Readout", "Scheme", "SharedMark"]
 
 Bits = NDArray[np.uint8]
 
@@ -39,6 +39,17 @@ class Readout:
     raw: FloatArray | None = field(default=None, repr=False)
 
 
+@dataclass(frozen=True, kw_only=True)
+class SharedMark:
+    """That a scheme reads the marks of another, with a reference besides.
+
+    scheme: name of the other, which is blind. log10_present: the bound from which on it says that a mark is there.
+    """
+
+    scheme: str
+    log10_present: float
+
+
 @runtime_checkable
 class Scheme(Protocol):
     """A watermarking scheme.
@@ -50,6 +61,10 @@ class Scheme(Protocol):
     given that as its reference instead of the original.
     A scheme that was built here after a publication may have `reconstruction`, what of it is ours because the
     source does not say; reports show it wherever they name the source.
+    A scheme that reads the marks of a blind one may have `shared`, a `SharedMark`, and `extract_by_reference`, with
+    the arguments of `extract`, which need not look where the blind one does. A benchmark of both then marks once,
+    and takes what the blind scheme has read where the reference tells nothing; each of the two has half the chance
+    of being wrong.
     A scheme whose readouts have `raw` also has `code(bits, key)`, the code bits (c,) that stand for a payload.
     """
 

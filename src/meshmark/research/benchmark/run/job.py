@@ -3,13 +3,27 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any
 
 from meshmark.attacks.chain import parse_chain
+from meshmark.research import SCHEMES
 from meshmark.research.benchmark.run.row import Case
 from meshmark.research.benchmark.run.suites import SUITES
+from meshmark.research.schemes.scheme import SharedMark
 
-__all__ = ["Job", "Look", "Mark", "Outcome", "Probe", "mark_of", "marks_of", "model_of", "needs"]
+__all__ = [
+    "Job",
+    "Look",
+    "Mark",
+    "Outcome",
+    "Probe",
+    "mark_of",
+    "marks_of",
+    "model_of",
+    "needs",
+    "shared_mark",
+]
 
 
 @dataclass(frozen=True, order=True)
@@ -23,8 +37,9 @@ class Look:
 class Mark:
     """Mark a model. Scheme, `owner` (the model whose key it is), budget, seed and fresh name the key.
 
-    The payload has a number besides: 0 is judged, 1, 2, ... are further copies. A `donor` is the model that comes
-    with the package, marked with the owner's key. fresh: the repeat that has a mark of its own, else 0.
+    Of several schemes that read the same marks it is the blind one. The payload has a number besides: 0 is judged,
+    1, 2, ... are further copies. A `donor` is the model that comes with the package, marked with the owner's key.
+    fresh: the repeat that has a mark of its own, else 0.
     """
 
     scheme: str
@@ -57,10 +72,18 @@ class Outcome:
     figures: dict[str, Any] = field(default_factory=dict)
 
 
+@lru_cache(maxsize=64)
+def shared_mark(scheme: str) -> SharedMark | None:
+    """Return whose marks a scheme reads, None for its own."""
+    return getattr(SCHEMES[scheme], "shared", None) if scheme in SCHEMES else None
+
+
 def mark_of(case: Case) -> Mark:
     """Return the mark of a case's model that is judged, or that names the key where there is none."""
     fresh = case.repeat if SUITES[case.suite].fresh else 0
-    return Mark(scheme=case.scheme, owner=case.model, budget=case.budget, seed=case.seed, fresh=fresh)
+    shared = shared_mark(case.scheme)
+    scheme = case.scheme if shared is None else shared.scheme
+    return Mark(scheme=scheme, owner=case.model, budget=case.budget, seed=case.seed, fresh=fresh)
 
 
 def marks_of(case: Case) -> list[Mark]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from functools import lru_cache
 from math import log10
 from pathlib import Path
@@ -23,6 +24,7 @@ from meshmark.research.benchmark.run.marked_model import key_of, original, paylo
 from meshmark.research.benchmark.run.marked_models import load_mark
 from meshmark.research.benchmark.run.row import Case
 from meshmark.research.benchmark.run.seeds import bits_for, generator_for, key_for
+from meshmark.research.benchmark.run.shared_readings import blind_of
 from meshmark.research.schemes.scheme import Bits, Readout, Scheme
 
 __all__ = ["attacked_psnr_db", "judge"]
@@ -31,8 +33,10 @@ __all__ = ["attacked_psnr_db", "judge"]
 _KEPT = 2
 
 
-def judge(data: Path, out: Path, case: Case) -> Outcome:
+def judge(data: Path, out: Path, case: Case, schemes: Iterable[str] = ()) -> Outcome:
     """Attack and read; raises what the attack or the scheme raises.
+
+    schemes: of the run; where one of them reads the same suspect blind, that is not done here again.
 
     Other schemes, budgets and trials meet the same attack: its random numbers depend on the seed, the model, the
     attack and the repeat only.
@@ -48,9 +52,10 @@ def judge(data: Path, out: Path, case: Case) -> Outcome:
     attacked, attack_seconds = made.mesh, perf_counter() - start
 
     key = key_of(main) if case.trial != "wrong key" else _stranger(case, "wrong key")
-    reference = None if scheme.blind else _reference(data, out, main, main in held)
+    reference = None if scheme.blind else _reference(data, out, case.scheme, main, main in held)
+    extract = scheme.extract if blind_of(case, schemes) is None else _by_reference(scheme)
     start = perf_counter()
-    readout = scheme.extract(attacked, key, reference=reference)
+    readout = extract(attacked, key, reference=reference)
     seconds = perf_counter() - start
     truths = {payload_of(mark, scheme.bits).tobytes(): mark for mark in marks or [main]}
     figures = _figures(readout, [np.frombuffer(bits, np.uint8) for bits in truths], scheme, key)
@@ -76,11 +81,17 @@ def attacked_psnr_db(whole: Mesh, made: Attacked) -> float | None:
 
 
 @lru_cache(maxsize=_KEPT)
-def _reference(data: Path, out: Path, mark: Mark, marked: bool) -> Any:
+def _reference(data: Path, out: Path, scheme: str, mark: Mark, marked: bool) -> Any:
     """Return what the owner has kept, of the marked model where there is one, else the original."""
     whole = original(data, mark.owner)
-    kept = getattr(SCHEMES[mark.scheme], "kept", None)
+    kept = getattr(SCHEMES[scheme], "kept", None)
     return whole if kept is None else kept(load_mark(out, mark) if marked else whole, key_of(mark))
+
+
+def _by_reference(scheme: Scheme) -> Callable[..., Readout]:
+    """Return how a scheme reads by its reference alone."""
+    by_reference: Callable[..., Readout] = scheme.extract_by_reference  # type: ignore[attr-defined]
+    return by_reference
 
 
 def _given(case: Case, held: dict[Mark, Mesh], scheme: Scheme) -> Given:
@@ -100,7 +111,8 @@ def _stranger(case: Case, role: str) -> Key:
 
 
 def _names(case: Case) -> tuple[str | int, ...]:
-    return case.seed, case.scheme, case.model, case.budget, case.attack, case.trial, case.repeat
+    # Schemes that read the same marks meet the same strangers.
+    return case.seed, mark_of(case).scheme, case.model, case.budget, case.attack, case.trial, case.repeat
 
 
 def _figures(

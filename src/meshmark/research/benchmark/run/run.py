@@ -17,6 +17,7 @@ from meshmark.research.benchmark.run.marked_models import clear_unfinished, mark
 from meshmark.research.benchmark.run.model_files import find_models, split_of, spread, write_shipped
 from meshmark.research.benchmark.run.row import Case, Row
 from meshmark.research.benchmark.run.schedule import Schedule
+from meshmark.research.benchmark.run.shared_readings import SharedReadings, blind_of, outcome_of
 from meshmark.research.benchmark.run.store import Store
 from meshmark.research.benchmark.run.suites import SUITES, cases
 from meshmark.research.benchmark.run.worker import Setup, ended, work
@@ -82,6 +83,7 @@ def run(plan: Plan, progress: Callable[[int, int, int], None] = lambda *_: None)
         data=data.resolve(),
         out=plan.out.resolve(),
         worker_memory_mb=int(_MEMORY_SHARE * memory_mb()) // workers,
+        schemes=names,
     )
     titles = {name: SCHEMES.described(name) for name in names}
     limits = {"workers": workers, "time_limit": plan.time_limit, "worker_memory_mb": setup.worker_memory_mb}
@@ -93,7 +95,8 @@ def run(plan: Plan, progress: Callable[[int, int, int], None] = lambda *_: None)
         held = store.cases() | store.probes().keys()
         left = [job for job in wanted if job not in held]
         with _pool(workers, setup, plan.time_limit) as pool:
-            undone = _Run(store, pool, left, len(wanted), progress, plan.hours).go()
+            shared = SharedReadings(names, _read_blind(store, left, names))
+            undone = _Run(store, pool, left, len(wanted), shared, progress, plan.hours).go()
         rows, kept = store.rows(), store.facts() or facts
         return Finished(
             rows=rows, facts=kept, resumed=len(wanted) - len(left), probes=store.probes(), left=undone
@@ -143,6 +146,12 @@ def _check(plan: Plan) -> None:
         raise InputError(f"the time limit is {plan.time_limit:g} s, expected more than 0")
 
 
+def _read_blind(store: Store, left: Iterable[Case | Probe], names: tuple[str, ...]) -> dict[Case, Outcome]:
+    """Return what an earlier start has read blind of the suspects that are left to read with a reference."""
+    wanted = {blind_of(case, names) for case in left if isinstance(case, Case)}
+    return {row.case: outcome_of(row) for row in store.rows() if row.case in wanted}
+
+
 class _Run:
     """The loop between schedule, worker pool and store."""
 
@@ -152,10 +161,11 @@ class _Run:
         pool: WorkerPool[Job, Outcome],
         left: list[Case | Probe],
         total: int,
+        shared: SharedReadings,
         progress: Callable[[int, int, int], None],
         hours: float | None,
     ) -> None:
-        self.store, self.pool, self.progress = store, pool, progress
+        self.store, self.pool, self.shared, self.progress = store, pool, shared, progress
         self.done, self.total, self.failed = total - len(left), total, 0
         self.schedule = Schedule(left, self._known(left))
         self.start = perf_counter()
@@ -206,12 +216,17 @@ class _Run:
     def _keep(self, ended: Iterable[tuple[Case | Probe, Outcome]]) -> None:
         for job, outcome in ended:
             if isinstance(job, Case):
-                self.store.add_row(self._row(job, outcome))
+                for case, whole in self.shared.settled(job, outcome):
+                    self.store.add_row(self._row(case, whole))
+                    self._count(whole)
             else:
                 self.store.add_job(job, outcome)
-            self.done += 1
-            self.failed += outcome.status not in ("ok", "refused")
-            self.progress(self.done, self.total, self.failed)
+                self._count(outcome)
+
+    def _count(self, outcome: Outcome) -> None:
+        self.done += 1
+        self.failed += outcome.status not in ("ok", "refused")
+        self.progress(self.done, self.total, self.failed)
 
     def _row(self, case: Case, outcome: Outcome) -> Row:
         """Put together what is known of the model, of the mark, and of the case."""

@@ -20,11 +20,15 @@ __all__ = ["Setup", "ended", "work"]
 
 @dataclass(frozen=True, kw_only=True)
 class Setup:
-    """What all jobs of a run share: the folders of models and of results, and the memory a worker may use."""
+    """What all jobs of a run share: the folders of models and of results, and the memory a worker may use.
+
+    schemes: all that are measured.
+    """
 
     data: Path
     out: Path
     worker_memory_mb: int
+    schemes: tuple[str, ...] = ()
 
 
 def work(setup: Setup, job: Job) -> Outcome:
@@ -50,7 +54,7 @@ def _function(setup: Setup, job: Job) -> Callable[[], Outcome]:
         return partial(mark, setup.data, setup.out, job)
     if isinstance(job, Probe):
         return partial(probe, setup.data, job)
-    return partial(judge, setup.data, setup.out, job)
+    return partial(judge, setup.data, setup.out, job, setup.schemes)
 
 
 def _outcome(function: Callable[[], Outcome], setup: Setup) -> Outcome:

@@ -1,0 +1,141 @@
+"""Schemes that read one mark: marked once, and what is read blind serves those that have a reference, too."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from meshmark.coding.keys import Key
+from meshmark.mesh import Mesh
+from meshmark.research import SCHEMES
+from meshmark.research.benchmark.run.job import Mark, Outcome, mark_of
+from meshmark.research.benchmark.run.model_files import load_shipped
+from meshmark.research.benchmark.run.row import Row
+from meshmark.research.benchmark.run.run import Plan, run
+from meshmark.research.benchmark.run.shared_readings import SharedReadings, blind_of, outcome_of
+from meshmark.research.benchmark.run.store import Store
+from tests.counting import some
+from tests.research.benchmark.runs import numbers
+from tests.research.benchmark.test_judging import case
+
+BLIND = case("none", scheme="ncdg_lv")
+INFORMED = case("none", scheme="ncdg_lv_original")
+SCHEMES_OF_RUN = ("ncdg_lv", "ncdg_lv_original")
+
+
+def read(present, bound, seconds=1.0, ber=0.0):
+    figures = {
+        **{"ber": ber, "raw_ber": 0.1, "correlation": 1.0 - ber, "present": present, "recovered": present},
+        **{"log10_false_positive": bound, "extract_seconds": seconds, "vertices_per_second": 600.0 / seconds},
+        **{"attack_seconds": 0.5, "peak_mb": 10.0 * seconds},
+    }
+    return Outcome(status="ok", figures=figures)
+
+
+def ends(*outcomes, known=()):
+    """Return what settles when cases end one after the other."""
+    shared = SharedReadings(SCHEMES_OF_RUN, dict(known))
+    return [shared.settled(each, outcome) for each, outcome in outcomes]
+
+
+def test_all_that_read_one_mark_have_one_mark_and_one_key():
+    marks = {
+        mark_of(replace(BLIND, scheme=name))
+        for name in ("ncdg_lv", "ncdg_lv_certificate", "ncdg_lv_original")
+    }
+    assert marks == {Mark(scheme="ncdg_lv", owner=BLIND.model, budget="standard", seed=3)}
+    assert mark_of(case("none", scheme="cho_mean")).scheme == "cho_mean"
+
+
+def test_a_case_is_read_alone_where_the_run_has_no_blind_one():
+    assert blind_of(INFORMED, SCHEMES_OF_RUN) == BLIND
+    assert blind_of(INFORMED, ("ncdg_lv_original",)) is None
+    assert blind_of(BLIND, SCHEMES_OF_RUN) is None
+    assert blind_of(case("none", scheme="cho_mean"), ("cho_mean", *SCHEMES_OF_RUN)) is None
+
+
+def test_what_the_reference_tells_stands_at_twice_the_bound():
+    ((settled,),) = ends((INFORMED, read(True, -9.0)))
+    assert settled[0] == INFORMED
+    assert settled[1].figures["log10_false_positive"] == pytest.approx(-9.0 + np.log10(2.0))
+    assert settled[1].figures["recovered"] is True
+    assert settled[1].figures["extract_seconds"] == 1.0
+
+
+@pytest.mark.parametrize("blind_first", [False, True])
+def test_what_was_read_blind_is_taken_where_the_reference_tells_nothing(blind_first):
+    told, blind = (INFORMED, read(False, -1.0, ber=0.5)), (BLIND, read(True, -20.0, seconds=3.0))
+    settled = ends(*((blind, told) if blind_first else (told, blind)))
+    assert [len(each) for each in settled] == ([1, 1] if blind_first else [0, 2])
+    both = dict(each for group in settled for each in group)
+    assert both[BLIND] == blind[1]
+    figures = both[INFORMED].figures
+    assert (figures["ber"], figures["present"], figures["recovered"]) == (0.0, True, True)
+    assert figures["log10_false_positive"] == pytest.approx(-20.0 + np.log10(2.0))
+    assert figures["extract_seconds"] == 4.0
+    assert figures["vertices_per_second"] == pytest.approx(150.0)
+    assert (figures["attack_seconds"], figures["peak_mb"]) == (0.5, 30.0)
+
+
+def test_a_bound_that_only_one_reading_may_have_is_not_enough_for_two():
+    settled = ends((BLIND, read(True, -6.1)), (INFORMED, read(False, 0.0)))
+    assert settled[0][0][1].figures["present"] is True
+    figures = settled[1][0][1].figures
+    assert (figures["present"], figures["recovered"]) == (False, False)
+
+
+def test_a_blind_reading_that_did_not_end_ends_the_others_unless_they_tell():
+    lost = Outcome(status="timeout", note="too long")
+    assert ends((BLIND, lost), (INFORMED, read(False, 0.0)))[1] == [(INFORMED, lost)]
+    assert ends((BLIND, lost), (INFORMED, read(True, -9.0)))[1][0][1].status == "ok"
+    failed = Outcome(status="failed", note="no mark")
+    assert ends((INFORMED, failed)) == [[(INFORMED, failed)]]
+
+
+def test_a_reference_alone_reads_what_it_finds_and_no_more():
+    mesh, key, bits = load_shipped(), Key(bytes(range(32))), np.tile([0, 1, 1, 0], 16).astype(np.uint8)
+    marked = SCHEMES["ncdg_lv"].embed(mesh, bits, key)
+    scheme = SCHEMES["ncdg_lv_original"]
+    whole = marked.vertices[:, 0] > np.quantile(marked.vertices[:, 0], 0.3)
+    kept = Mesh(marked.vertices, marked.faces[whole[marked.faces].all(axis=1)])
+    found = scheme.extract_by_reference(kept, key, reference=mesh)
+    assert found.present
+    np.testing.assert_array_equal(found.bits, bits)
+    assert found.log10_false_positive <= scheme.extract(kept, key, reference=mesh).log10_false_positive
+    assert not scheme.extract_by_reference(kept, Key(bytes(32)), reference=mesh).present
+
+
+@pytest.mark.usefixtures("toys")
+def test_a_run_of_both_says_what_each_says(models, tmp_path):
+    def rows(folder, *schemes, workers=1):
+        plan = Plan(suite="smoke", data=models, out=tmp_path / folder, schemes=schemes, workers=workers)
+        return run(plan).rows
+
+    both = rows("both", "toy", "sorting", workers=2)
+    alone = rows("alone", "sorting")
+    assert numbers([row for row in both if row.case.scheme == "sorting"]) == numbers(alone)
+    told = {
+        row.case.scheme: row.recovered for row in both if row.case.attack == "shuffle:1" and row.points > 100
+    }
+    assert told == {"toy": False, "sorting": True}
+    assert len(list((tmp_path / "both" / "marked").glob("*.npz"))) == 2
+
+
+@pytest.mark.usefixtures("toys")
+def test_a_run_goes_on_with_what_was_read_blind_before(models, tmp_path):
+    plan = Plan(suite="smoke", data=models, out=tmp_path, schemes=("toy", "sorting"), workers=1, limit=1)
+    first = run(plan)
+    with Store(tmp_path) as store:
+        store._base.execute("DELETE FROM rows WHERE scheme = 'sorting'")
+    again = run(plan)
+    assert again.resumed == len([row for row in some(first.rows) if row.case.scheme == "toy"])
+    assert numbers(again.rows) == numbers(first.rows)
+
+
+def test_a_row_gives_back_what_was_read():
+    outcome = read(True, -8.0)
+    row = Row(case=BLIND, status="ok", **outcome.figures)
+    figures = outcome_of(row).figures
+    assert figures == {name: outcome.figures[name] for name in figures}
