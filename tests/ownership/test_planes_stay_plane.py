@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from itertools import product
+
+import numpy as np
 import pytest
 
 from meshmark.geometry.plane_patches import PlanePatches
@@ -50,6 +53,20 @@ def test_without_room_beside_them_points_carry(mixed, monkeypatch):
 def test_a_column_of_flat_panels_stays_one():
     column = Mesh(*prism(30, 6, 6.0))
     assert off_plane(column, embed(column, KEY, id=ID).mesh) <= PLANE_OFF
+
+
+def test_corners_of_many_planes_leave_them_plane():
+    rng = np.random.default_rng(3)
+    points, faces = box((1, 1, 1), (2.0, 2.0, 2.0), (-1.0, -1.0, -1.0))
+    blocks = []
+    for place in product(range(4), range(4), range(2)):
+        turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+        size = rng.uniform(0.2, 0.4, size=3)
+        blocks.append((points * size @ turn + np.array(place) * [1.0, 1.3, 1.7], faces))
+    model = Mesh(*joined(blocks))
+    made = embed(model, KEY, id=ID)
+    assert made.mark.at_points
+    assert off_plane(model, made.mesh) <= PLANE_OFF
 
 
 def test_large_models_keep_the_tougher_mark(mixed, monkeypatch):

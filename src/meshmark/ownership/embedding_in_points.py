@@ -62,9 +62,30 @@ def embed_in_points(task: EmbeddingTask) -> Owned:
             f"its {used:,} points are too many for points to carry it, {MOST_POINTS:,} at most"
         )
     lattice = PointLattice.keyed(task.key, task.label)
-    shaping = PointShaping(
-        task.surface, lattice, Word(task.word), largest=LARGEST[task.strength], budget=task.rms
+    # Planes cost room: where they leave too little of it, they bend.
+    for planes in (task.planes, None) if task.has_planes else (None,):
+        shaping = PointShaping(
+            task.surface,
+            lattice,
+            Word(task.word),
+            largest=LARGEST[task.strength],
+            budget=task.rms,
+            planes=planes,
+        )
+        tried, told = _tried(task, shaping, lattice)
+        best = _best_read(task, tried)
+        if best is not None:
+            return best
+    most = max(
+        shaping.expected(Choice(step=float(STEPS[0]), mode=mode, share=1.0))[0] for mode in range(len(MODES))
     )
+    raise CapacityError(_lacking(used, most, told, DISTINCT_BITS[task.bits]))
+
+
+def _tried(
+    task: EmbeddingTask, shaping: PointShaping, lattice: PointLattice
+) -> tuple[list[tuple[float, float, Mesh]], float]:
+    """Return worth, step and mesh of each choice that could be made, and the most bits that one tells."""
     tried: list[tuple[float, float, Mesh]] = []
     told = 0.0
     for worth, choice in islice(_choices(shaping, task), TRIES):
@@ -75,6 +96,11 @@ def embed_in_points(task: EmbeddingTask) -> Owned:
             bits = _told(task, made, lattice, choice)
             told, worth = max(told, bits), _worth(choice, bits, task.bits)
             tried.append((worth if task.keeps_planes(made) else DENTED * worth, choice.step, made))
+    return tried, told
+
+
+def _best_read(task: EmbeddingTask, tried: list[tuple[float, float, Mesh]]) -> Owned | None:
+    """Return the mark of the choice of most worth that is read back, and of few bits of those that bears most."""
     best: tuple[int, Owned] | None = None
     compared = 0
     for worth, step, marked in sorted(tried, key=lambda entry: -entry[0]):
@@ -96,12 +122,7 @@ def embed_in_points(task: EmbeddingTask) -> Owned:
                 best = borne, Owned(mesh=marked, mark=mark)
             if borne == NOISES or compared == COMPARED:
                 break
-    if best is not None:
-        return best[1]
-    most = max(
-        shaping.expected(Choice(step=float(STEPS[0]), mode=mode, share=1.0))[0] for mode in range(len(MODES))
-    )
-    raise CapacityError(_lacking(used, most, told, DISTINCT_BITS[task.bits]))
+    return None if best is None else best[1]
 
 
 def _lacking(used: int, most: int, told: float, needed: int) -> str:

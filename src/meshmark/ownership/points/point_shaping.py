@@ -12,12 +12,14 @@ from scipy.sparse import csr_array
 from meshmark.coding.keyed_code import LENGTH
 from meshmark.geometry.areas import area_vectors, face_areas
 from meshmark.geometry.joints import joints_of
+from meshmark.geometry.plane_patches import PlanePatches
 from meshmark.geometry.surface import Surface
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.ownership.points.balance import balanced
 from meshmark.ownership.points.carried_coordinates import Carried
-from meshmark.ownership.points.coordinates import held
+from meshmark.ownership.points.coordinates import ease_of, held
 from meshmark.ownership.points.frame_moments import frame_moments
+from meshmark.ownership.points.giving_way import Giving, GivingAlone, GivingTogether, PlanesKept
 from meshmark.ownership.points.moments_apart import moments_apart, stretched
 from meshmark.ownership.points.parameters import LIFTED, SLIDING
 from meshmark.ownership.points.point_choice import Choice
@@ -39,6 +41,8 @@ SOUND = 1e-9
 FURTHER = 5
 # Share of the faces that fold over from which a choice is given up.
 HOPELESS = 0.02
+# Cost of leaving the planes of a star where plane patches are kept as a whole, over that where they are not.
+BENDING = 0.01
 # Share of the largest displacement from which points are held back.
 NEARLY = 0.7
 
@@ -49,7 +53,8 @@ class PointShaping:
     surface: to be marked. lattice: of its label. message: what coordinates say. largest: displacement of a point at
     most, over the diagonal; budget: RMS displacement, over the diagonal. still: (p,) points that stay where they
     are; none where it is left out. holds_area: the surface keeps its area as well as its frame. aims: (p, 3) scene
-    points from which the places of the points are told, of the surface where left out.
+    points from which the places of the points are told, of the surface where left out. planes: patches that are to
+    stay plane.
     """
 
     def __init__(
@@ -63,10 +68,12 @@ class PointShaping:
         still: NDArray[np.bool_] | None = None,
         holds_area: bool = False,
         aims: FloatArray | None = None,
+        planes: PlanePatches | None = None,
     ) -> None:
         self._surface, self._lattice = surface, lattice
         self._message = message
         self._still = np.zeros(len(surface.points), bool) if still is None else still
+        self._patches = planes if planes is not None and len(planes.point) else None
         self._frame = surface.frame
         self._start = Carried.of(surface, self._frame)
         self._points = self._frame.to_canonical(surface.points)
@@ -94,6 +101,12 @@ class PointShaping:
     def _followed(self, motion: FloatArray) -> FloatArray:
         """Return how all points move (p, 3) under the motions of those that follow none."""
         return np.asarray(self._joints @ motion) if self._is_jointed else motion
+
+    @cached_property
+    def _planes(self) -> PlanesKept | None:
+        if self._patches is None:
+            return None
+        return PlanesKept.of(self._points, self._patches, self._joints if self._is_jointed else None)
 
     @cached_property
     def _pull(self) -> csr_array:
@@ -142,10 +155,9 @@ class PointShaping:
             motion[~done] = 0.0
             carries &= done[:, None]
             follow, rest = held(ease, carries)
-            rest *= yields[:, None, None]
-            rest[frozen] = 0.0
-            yielding = np.ascontiguousarray(rest.transpose(1, 2, 0))
-            off = self._off(motion, yielding)
+            giving = self._giving(carried, carries, rest, np.where(frozen, 0.0, yields))
+            motion = giving.flattened(motion)
+            off = self._off(motion, giving)
             further = balanced(
                 motion,
                 follow=follow,
@@ -160,7 +172,7 @@ class PointShaping:
             )
             stays = (self._lattice.cubes(start + further) == self._lattice.cubes(start + motion)).all(axis=1)
             motion = np.where(stays[:, None], further, motion)
-            motion = self._framed(motion, yielding, FRAME_PASSES[number >= PASSES - 1])
+            motion = self._framed(giving.flattened(motion), giving, FRAME_PASSES[number >= PASSES - 1])
             points = start + self._followed(motion)
             folded = (np.einsum("ij,ij->i", before, _normals(points, surface.faces)) < LIFTED) & (
                 (before**2).sum(axis=1) > 0.0
@@ -171,9 +183,11 @@ class PointShaping:
             if folded.any():
                 frozen = frozen | _touched(joints, np.unique(surface.faces[folded]), len(points))
             elif far.max() > 1.0:
-                # Those that go too far for their own sake are let go, others give way less.
-                own = np.flatnonzero((far > 1.0) & carries.any(axis=1))
-                frozen = frozen | _touched(joints, own, len(points))
+                # Those that go too far for their own sake are let go, others give way less. Planes take many along
+                # at first.
+                if self._planes is None or number >= PASSES:
+                    own = np.flatnonzero((far > 1.0) & carries.any(axis=1))
+                    frozen = frozen | _touched(joints, own, len(points))
                 yields = np.where(
                     far > NEARLY, yields * (NEARLY / np.maximum(far, NEARLY)) ** 2 / 2.0, yields
                 )
@@ -181,15 +195,27 @@ class PointShaping:
                 return self._in_scene(points)
         return None
 
+    def _giving(
+        self, carried: Carried, carries: NDArray[np.bool_], rest: FloatArray, share: FloatArray
+    ) -> Giving:
+        """Return how points give way whose set coordinates (p, 3) stay.
+
+        rest: (p, 3, 3) inverse cost of their other motions; share: (p,) of it that is allowed.
+        """
+        if self._planes is None:
+            return GivingAlone(rest * share[:, None, None])
+        rest = held(ease_of(BENDING * carried.stars.tensor), carries)[1]
+        return GivingTogether(rest * share[:, None, None], self._planes)
+
     def _in_scene(self, points: FloatArray) -> FloatArray:
         """Return canonical points (p, 3) in scene units; those that did not move or are unused stay exactly."""
         moved = (points != self._points).any(axis=1) & self._surface.used
         return np.where(moved[:, None], self._frame.to_scene(points), self._surface.points)
 
-    def _framed(self, motion: FloatArray, yielding: FloatArray, passes: int) -> FloatArray:
-        """Return the motion (p, 3) with what `yielding` allows added until the frame is as wanted."""
+    def _framed(self, motion: FloatArray, giving: Giving, passes: int) -> FloatArray:
+        """Return the motion (p, 3) with what points give way by added until the frame is as wanted."""
         for _ in range(passes):
-            off = self._off(motion, yielding)
+            off = self._off(motion, giving)
             if np.abs(off.error).max() < FRAME_ERROR:
                 break
             step = np.linalg.pinv(off.system, rcond=SINGULAR, hermitian=True) @ off.error
@@ -199,18 +225,15 @@ class PointShaping:
     def _moments(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
         return frame_moments(points, self._surface.faces, with_area=self._holds_area)
 
-    def _off(self, motion: FloatArray, yielding: FloatArray) -> _Off:
-        """Return how far the moments are off under a motion; yielding: (3, 3, p) how points give way to a force."""
+    def _off(self, motion: FloatArray, giving: Giving) -> _Off:
+        """Return how far the moments are off under a motion."""
         values, gradient = self._moments(self._stretched + self._followed(motion))
         count = len(values)
         pulled = gradient.transpose(0, 2, 1)
         if self._is_jointed:
             by_free = self._pull @ pulled.reshape(-1, len(motion)).T
             pulled = np.ascontiguousarray(by_free.T).reshape(pulled.shape)
-        given = np.empty_like(pulled)
-        for force, motions in zip(pulled, given, strict=True):
-            for yields, own in zip(yielding, motions, strict=True):
-                np.einsum("jp,jp->p", yields, force, out=own)
+        given = giving.given(pulled)
         return _Off(
             gradient=pulled.transpose(0, 2, 1),
             error=values - self._goal,
