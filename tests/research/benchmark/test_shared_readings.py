@@ -14,7 +14,8 @@ from meshmark.research.benchmark.run.job import Mark, Outcome, mark_of
 from meshmark.research.benchmark.run.model_files import load_shipped
 from meshmark.research.benchmark.run.row import Row
 from meshmark.research.benchmark.run.run import Plan, run
-from meshmark.research.benchmark.run.shared_readings import SharedReadings, blind_of, outcome_of
+from meshmark.research.benchmark.run.schedule import Schedule
+from meshmark.research.benchmark.run.shared_readings import answered_blind, blind_of, outcome_of, read_by_both
 from meshmark.research.benchmark.run.store import Store
 from tests.counting import some
 from tests.research.benchmark.runs import numbers
@@ -25,19 +26,14 @@ INFORMED = case("none", scheme="ncdg_lv_original")
 SCHEMES_OF_RUN = ("ncdg_lv", "ncdg_lv_original")
 
 
-def read(present, bound, seconds=1.0, ber=0.0):
+def read(present, bound, seconds=1.0, ber=0.0, *, decoded=None):
     figures = {
         **{"ber": ber, "raw_ber": 0.1, "correlation": 1.0 - ber, "present": present, "recovered": present},
-        **{"log10_false_positive": bound, "extract_seconds": seconds, "vertices_per_second": 600.0 / seconds},
-        **{"attack_seconds": 0.5, "peak_mb": 10.0 * seconds},
+        **{"decoded": present if decoded is None else decoded, "log10_false_positive": bound},
+        **{"extract_seconds": seconds, "vertices_per_second": 600.0 / seconds},
+        **{"attack_seconds": 0.5, "attacked_psnr_db": 60.0, "peak_mb": 10.0 * seconds},
     }
     return Outcome(status="ok", figures=figures)
-
-
-def ends(*outcomes, known=()):
-    """Return what settles when cases end one after the other."""
-    shared = SharedReadings(SCHEMES_OF_RUN, dict(known))
-    return [shared.settled(each, outcome) for each, outcome in outcomes]
 
 
 def test_all_that_read_one_mark_have_one_mark_and_one_key():
@@ -56,42 +52,52 @@ def test_a_case_is_read_alone_where_the_run_has_no_blind_one():
     assert blind_of(case("none", scheme="cho_mean"), ("cho_mean", *SCHEMES_OF_RUN)) is None
 
 
-def test_what_the_reference_tells_stands_at_twice_the_bound():
-    ((settled,),) = ends((INFORMED, read(True, -9.0)))
-    assert settled[0] == INFORMED
-    assert settled[1].figures["log10_false_positive"] == pytest.approx(-9.0 + np.log10(2.0))
-    assert settled[1].figures["recovered"] is True
-    assert settled[1].figures["extract_seconds"] == 1.0
+def test_what_was_decoded_blind_is_not_looked_for_again():
+    answered = answered_blind(INFORMED, read(True, -9.0))
+    assert answered.figures["log10_false_positive"] == pytest.approx(-9.0 + np.log10(2.0))
+    assert (answered.figures["recovered"], answered.figures["extract_seconds"]) == (True, 1.0)
+    assert answered_blind(INFORMED, read(False, -1.0)) is None
+    assert answered_blind(INFORMED, read(True, -9.0, decoded=False)) is None, "there may be an id"
+    assert answered_blind(INFORMED, read(True, -6.1)) is None, "not enough for two readings"
+    assert answered_blind(INFORMED, Outcome(status="timeout")) is None
+    assert answered_blind(BLIND, read(True, -9.0)) is None, "it reads marks of its own"
 
 
-@pytest.mark.parametrize("blind_first", [False, True])
-def test_what_was_read_blind_is_taken_where_the_reference_tells_nothing(blind_first):
-    told, blind = (INFORMED, read(False, -1.0, ber=0.5)), (BLIND, read(True, -20.0, seconds=3.0))
-    settled = ends(*((blind, told) if blind_first else (told, blind)))
-    assert [len(each) for each in settled] == ([1, 1] if blind_first else [0, 2])
-    both = dict(each for group in settled for each in group)
-    assert both[BLIND] == blind[1]
-    figures = both[INFORMED].figures
+def test_what_the_reference_tells_is_taken_at_the_cost_of_both():
+    figures = read_by_both(INFORMED, read(True, -9.0), read(False, -1.0, seconds=3.0, ber=0.5)).figures
     assert (figures["ber"], figures["present"], figures["recovered"]) == (0.0, True, True)
-    assert figures["log10_false_positive"] == pytest.approx(-20.0 + np.log10(2.0))
+    assert figures["log10_false_positive"] == pytest.approx(-9.0 + np.log10(2.0))
     assert figures["extract_seconds"] == 4.0
     assert figures["vertices_per_second"] == pytest.approx(150.0)
     assert (figures["attack_seconds"], figures["peak_mb"]) == (0.5, 30.0)
 
 
-def test_a_bound_that_only_one_reading_may_have_is_not_enough_for_two():
-    settled = ends((BLIND, read(True, -6.1)), (INFORMED, read(False, 0.0)))
-    assert settled[0][0][1].figures["present"] is True
-    figures = settled[1][0][1].figures
-    assert (figures["present"], figures["recovered"]) == (False, False)
+def test_what_was_read_blind_is_taken_where_the_reference_tells_nothing():
+    blind = read(True, -20.0, seconds=3.0, decoded=False)
+    figures = read_by_both(INFORMED, read(False, -1.0, ber=0.5), blind).figures
+    assert (figures["ber"], figures["present"]) == (0.0, True)
+    assert figures["log10_false_positive"] == pytest.approx(-20.0 + np.log10(2.0))
+    weak = read_by_both(INFORMED, read(False, 0.0), read(True, -6.1, decoded=False)).figures
+    assert (weak["present"], weak["recovered"]) == (False, False)
 
 
 def test_a_blind_reading_that_did_not_end_ends_the_others_unless_they_tell():
     lost = Outcome(status="timeout", note="too long")
-    assert ends((BLIND, lost), (INFORMED, read(False, 0.0)))[1] == [(INFORMED, lost)]
-    assert ends((BLIND, lost), (INFORMED, read(True, -9.0)))[1][0][1].status == "ok"
+    assert read_by_both(INFORMED, read(False, 0.0), lost) == lost
+    assert read_by_both(INFORMED, read(True, -9.0), lost).figures["recovered"] is True
     failed = Outcome(status="failed", note="no mark")
-    assert ends((INFORMED, failed)) == [[(INFORMED, failed)]]
+    assert read_by_both(INFORMED, failed, read(True, -9.0)) == failed
+
+
+def test_a_case_waits_for_its_blind_reading_but_does_not_fall_with_it():
+    schedule = Schedule([INFORMED, BLIND], {}, SCHEMES_OF_RUN)
+    given = []
+    while schedule:
+        job = schedule.take()
+        given.append(job)
+        schedule.done(job, Outcome(status="failed" if job == BLIND else "ok"))
+    assert given[-2:] == [BLIND, INFORMED]
+    assert schedule.fallen() == []
 
 
 def test_a_reference_alone_reads_what_it_finds_and_no_more():
@@ -103,6 +109,7 @@ def test_a_reference_alone_reads_what_it_finds_and_no_more():
     found = scheme.extract_by_reference(kept, key, reference=mesh)
     assert found.present
     np.testing.assert_array_equal(found.bits, bits)
+    assert found.decoded
     assert found.log10_false_positive <= scheme.extract(kept, key, reference=mesh).log10_false_positive
     assert not scheme.extract_by_reference(kept, Key(bytes(32)), reference=mesh).present
 
@@ -137,5 +144,4 @@ def test_a_run_goes_on_with_what_was_read_blind_before(models, tmp_path):
 def test_a_row_gives_back_what_was_read():
     outcome = read(True, -8.0)
     row = Row(case=BLIND, status="ok", **outcome.figures)
-    figures = outcome_of(row).figures
-    assert figures == {name: outcome.figures[name] for name in figures}
+    assert outcome_of(row) == outcome

@@ -39,12 +39,23 @@ class Toy:
         sums = np.bincount(place, phase, minlength=self.bits)
         counts = np.bincount(place, minlength=self.bits)
         return Readout(
-            bits=(sums < 0).astype(np.uint8), present=bool(np.abs(sums).sum() > 0.5 * counts.sum())
+            bits=(sums < 0).astype(np.uint8),
+            present=bool(np.abs(sums).sum() > 0.5 * counts.sum()),
+            decoded=bool(np.abs(sums).sum() > 0.9 * counts.sum()),
         )
 
     def _plan(self, count, key):
         random = np.random.default_rng(list(key.subkey("toy")))
         return np.arange(count) % self.bits, random.uniform(size=count)
+
+
+class Crashing(Toy):
+    """Dies of a segmentation fault while reading after a crop."""
+
+    def extract(self, mesh, key, *, reference=None):
+        if len(mesh.vertices) % 2:
+            os.kill(os.getpid(), signal.SIGSEGV)
+        return super().extract(mesh, key)
 
 
 class Sorting(Toy):
@@ -61,15 +72,6 @@ class Sorting(Toy):
         same = np.allclose(mesh.vertices[order][:, 1:], reference.vertices[:, 1:], atol=1e-9)
         found = super().extract(mesh.with_vertices(mesh.vertices[order]), key)
         return found if same else replace(found, present=False)
-
-
-class Crashing(Toy):
-    """Dies of a segmentation fault while reading after a crop."""
-
-    def extract(self, mesh, key, *, reference=None):
-        if len(mesh.vertices) % 2:
-            os.kill(os.getpid(), signal.SIGSEGV)
-        return super().extract(mesh, key)
 
 
 class Hanging(Toy):

@@ -60,12 +60,9 @@ class NcdgLvOriginal(NcdgLv):
 
     @on_one_thread
     def extract_by_reference(self, mesh: Mesh, key: Key, *, reference: Mesh | Certificate) -> Readout:
-        """Read in the frames that the reference gives, and elsewhere only where these show a mark without an id."""
+        """Read in the frames that the reference gives, and nowhere else."""
         search = Search(surface=weld(mesh), key=key, effort=self.effort, reference=reference)
-        found = find(search, attrgetter("by_reference"))
-        if found.present and found.id is None:
-            return self.extract(mesh, key, reference=reference)
-        return _readout(found, key)
+        return _readout(find(search, attrgetter("by_reference")), key)
 
 
 class NcdgLvCertificate(NcdgLvOriginal):
@@ -100,6 +97,7 @@ def _readout(found: Found, key: Key) -> Readout:
         bits=_to_bits(identity),
         present=found.present,
         log10_false_positive=found.log10_false_positive,
+        decoded=found.id == identity,
         raw=observed,
     )
 

@@ -29,6 +29,7 @@ class Readout:
     bits:    (n,) uint8 best guess of the payload, whatever its quality; chance where there is no mark.
     present: whether the scheme says that a mark of this key is there.
     log10_false_positive: its own bound on being wrong with that, where it has one.
+    decoded: whether its error correction says that the payload is right; a mark may be there without that.
     raw:     of a scheme with error correction, what it saw of each code bit before: (c,), positive for 0,
              0 for one it did not see.
     """
@@ -36,6 +37,7 @@ class Readout:
     bits: Bits
     present: bool
     log10_false_positive: float | None = None
+    decoded: bool = False
     raw: FloatArray | None = field(default=None, repr=False)
 
 
@@ -62,8 +64,8 @@ class Scheme(Protocol):
     A scheme that was built here after a publication may have `reconstruction`, what of it is ours because the
     source does not say; reports show it wherever they name the source.
     A scheme that reads the marks of a blind one may have `shared`, a `SharedMark`, and `extract_by_reference`, with
-    the arguments of `extract`, which need not look where the blind one does. A benchmark of both then marks once,
-    and takes what the blind scheme has read where the reference tells nothing; each of the two has half the chance
+    the arguments of `extract`, which does not look where the blind one does. A benchmark of both then marks once,
+    and asks for the reference only where the blind scheme has decoded nothing; each of the two has half the chance
     of being wrong.
     A scheme whose readouts have `raw` also has `code(bits, key)`, the code bits (c,) that stand for a payload.
     """

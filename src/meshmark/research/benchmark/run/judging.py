@@ -130,6 +130,7 @@ def _figures(
         "present": bool(readout.present),
         "recovered": bool(readout.present) and bool(recovered(truth, bits)),
         "log10_false_positive": readout.log10_false_positive,
+        "decoded": bool(readout.decoded),
     }
 
 

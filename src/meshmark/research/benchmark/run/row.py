@@ -49,7 +49,8 @@ class Row:
              they stand (nothing is turned back); None where the attack makes a new surface.
     ber, correlation: of the payload (after collusion: of the colluder's that is nearest to what was read; of a
              forged mark: the donor's); raw_ber: of the carriers before error correction, where the scheme tells.
-    present: the scheme says a mark is there; recovered: present and every bit right.
+    present: the scheme says a mark is there; decoded: and that its error correction has the payload right;
+    recovered: present and every bit right.
     log10_false_positive: the scheme's bound.
     Seconds are wall-clock; file_seconds: reading the model's file and writing it again, for comparison;
     vertices_per_second: of the attacked model, in extraction; peak_mb: the worker's peak memory in this case.
@@ -75,6 +76,7 @@ class Row:
     raw_ber: float | None = None
     correlation: float | None = None
     present: bool | None = None
+    decoded: bool | None = None
     recovered: bool | None = None
     log10_false_positive: float | None = None
     file_seconds: float | None = None

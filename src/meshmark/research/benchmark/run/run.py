@@ -17,7 +17,12 @@ from meshmark.research.benchmark.run.marked_models import clear_unfinished, mark
 from meshmark.research.benchmark.run.model_files import find_models, split_of, spread, write_shipped
 from meshmark.research.benchmark.run.row import Case, Row
 from meshmark.research.benchmark.run.schedule import Schedule
-from meshmark.research.benchmark.run.shared_readings import SharedReadings, blind_of, outcome_of
+from meshmark.research.benchmark.run.shared_readings import (
+    answered_blind,
+    blind_of,
+    outcome_of,
+    read_by_both,
+)
 from meshmark.research.benchmark.run.store import Store
 from meshmark.research.benchmark.run.suites import SUITES, cases
 from meshmark.research.benchmark.run.worker import Setup, ended, work
@@ -95,8 +100,7 @@ def run(plan: Plan, progress: Callable[[int, int, int], None] = lambda *_: None)
         held = store.cases() | store.probes().keys()
         left = [job for job in wanted if job not in held]
         with _pool(workers, setup, plan.time_limit) as pool:
-            shared = SharedReadings(names, _read_blind(store, left, names))
-            undone = _Run(store, pool, left, len(wanted), shared, progress, plan.hours).go()
+            undone = _Run(store, pool, left, len(wanted), names, progress, plan.hours).go()
         rows, kept = store.rows(), store.facts() or facts
         return Finished(
             rows=rows, facts=kept, resumed=len(wanted) - len(left), probes=store.probes(), left=undone
@@ -146,12 +150,6 @@ def _check(plan: Plan) -> None:
         raise InputError(f"the time limit is {plan.time_limit:g} s, expected more than 0")
 
 
-def _read_blind(store: Store, left: Iterable[Case | Probe], names: tuple[str, ...]) -> dict[Case, Outcome]:
-    """Return what an earlier start has read blind of the suspects that are left to read with a reference."""
-    wanted = {blind_of(case, names) for case in left if isinstance(case, Case)}
-    return {row.case: outcome_of(row) for row in store.rows() if row.case in wanted}
-
-
 class _Run:
     """The loop between schedule, worker pool and store."""
 
@@ -161,13 +159,13 @@ class _Run:
         pool: WorkerPool[Job, Outcome],
         left: list[Case | Probe],
         total: int,
-        shared: SharedReadings,
+        names: tuple[str, ...],
         progress: Callable[[int, int, int], None],
         hours: float | None,
     ) -> None:
-        self.store, self.pool, self.shared, self.progress = store, pool, shared, progress
+        self.store, self.pool, self.names, self.progress = store, pool, names, progress
         self.done, self.total, self.failed = total - len(left), total, 0
-        self.schedule = Schedule(left, self._known(left))
+        self.schedule = Schedule(left, self._known(left), names)
         self.start = perf_counter()
         self.seconds = inf if hours is None else 3600.0 * hours
         self.begun: set[str] = set()
@@ -179,18 +177,38 @@ class _Run:
             while self.pool.free and self._more():
                 job = self.schedule.take()
                 self.begun.add(model_of(job))
-                self.pool.submit(job)
+                answered = self._answered(job)
+                if answered is None:
+                    self.pool.submit(job)
+                else:
+                    self._end(job, answered)
             if not self.pool.busy:
                 return self.total - self.done
             for job, result in self.pool.finished():
-                outcome = ended(result)
-                if isinstance(job, Case | Probe):
-                    self._keep([(job, outcome)])
-                else:
-                    self.store.add_job(job, outcome)
-                self.schedule.done(job, outcome)
+                self._end(job, self._whole(job, ended(result)))
             self._keep(self.schedule.fallen())
             self.store.spent(perf_counter() - self.start)
+
+    def _end(self, job: Job, outcome: Outcome) -> None:
+        if isinstance(job, Case | Probe):
+            self._keep([(job, outcome)])
+        else:
+            self.store.add_job(job, outcome)
+        self.schedule.done(job, outcome)
+
+    def _answered(self, job: Job) -> Outcome | None:
+        """Return the outcome of a case whose blind reading was enough."""
+        blind = blind_of(job, self.names)
+        if blind is None or not isinstance(job, Case):
+            return None
+        return answered_blind(job, self.schedule.outcomes[blind])
+
+    def _whole(self, job: Job, outcome: Outcome) -> Outcome:
+        """Return the outcome of a job, with what was read blind if it is a reading with a reference."""
+        blind = blind_of(job, self.names)
+        if blind is None or not isinstance(job, Case):
+            return outcome
+        return read_by_both(job, outcome, self.schedule.outcomes[blind])
 
     def _more(self) -> bool:
         """Return whether a job is to be given out: when the time is over, only for models that were begun."""
@@ -211,22 +229,19 @@ class _Run:
                 )
                 if not gone:
                     known[job] = outcome
+        blind = {blind_of(case, self.names) for case in left}
+        known |= {row.case: outcome_of(row) for row in self.store.rows() if row.case in blind}
         return known
 
     def _keep(self, ended: Iterable[tuple[Case | Probe, Outcome]]) -> None:
         for job, outcome in ended:
             if isinstance(job, Case):
-                for case, whole in self.shared.settled(job, outcome):
-                    self.store.add_row(self._row(case, whole))
-                    self._count(whole)
+                self.store.add_row(self._row(job, outcome))
             else:
                 self.store.add_job(job, outcome)
-                self._count(outcome)
-
-    def _count(self, outcome: Outcome) -> None:
-        self.done += 1
-        self.failed += outcome.status not in ("ok", "refused")
-        self.progress(self.done, self.total, self.failed)
+            self.done += 1
+            self.failed += outcome.status not in ("ok", "refused")
+            self.progress(self.done, self.total, self.failed)
 
     def _row(self, case: Case, outcome: Outcome) -> Row:
         """Put together what is known of the model, of the mark, and of the case."""

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import heapq
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 
 from meshmark.research.benchmark.run.job import Job, Outcome, Probe, needs
 from meshmark.research.benchmark.run.row import Case
+from meshmark.research.benchmark.run.shared_readings import blind_of
 
 __all__ = ["Schedule"]
 
@@ -14,12 +15,15 @@ __all__ = ["Schedule"]
 class Schedule:
     """The jobs that some cases and probes ask for, each given out when what it needs is done, in their order.
 
-    known: outcomes from an earlier start; those jobs are not given out again.
+    known: outcomes from an earlier start; those jobs are not given out again. schemes: all that are measured.
     """
 
-    def __init__(self, cases: Iterable[Case | Probe], known: Mapping[Job, Outcome]) -> None:
+    def __init__(
+        self, cases: Iterable[Case | Probe], known: Mapping[Job, Outcome], schemes: Collection[str] = ()
+    ) -> None:
         """Plan all jobs of the cases and probes."""
         self.outcomes = dict(known)
+        self._schemes = schemes
         self._place: dict[Job, int] = {}
         self._waits: dict[Job, set[Job]] = {}
         self._blocks: dict[Job, list[Job]] = {}
@@ -49,7 +53,7 @@ class Schedule:
         """Note how a job ended, which frees what waited for it, or ends it too."""
         self.outcomes[job] = outcome
         for waiting in self._blocks.pop(job, []):
-            if outcome.status != "ok":
+            if outcome.status != "ok" and job in needs(waiting):
                 self._fall(waiting, outcome)
             elif waiting in self._waits:
                 self._waits[waiting].discard(job)
@@ -59,14 +63,17 @@ class Schedule:
         if job in self._place or job in self.outcomes:
             return
         required = needs(job)
-        for other in required:
+        # However it ends, what is read blind comes before what is read with a reference.
+        blind = blind_of(job, self._schemes)
+        waits = required if blind is None else [*required, blind]
+        for other in waits:
             self._plan(other)
         self._place[job] = len(self._place)
         failed = [self.outcomes[other] for other in required if self._failed(other)]
         if failed:
             self._fall(job, failed[0])
             return
-        self._waits[job] = {other for other in required if other not in self.outcomes}
+        self._waits[job] = {other for other in waits if other not in self.outcomes}
         for other in self._waits[job]:
             self._blocks.setdefault(other, []).append(job)
         self._offer(job)

@@ -1,4 +1,8 @@
-"""What a blind scheme has read is an answer, too, for the schemes that read the same marks with a reference."""
+"""What a blind scheme has read is an answer, too, for the schemes that read the same marks with a reference.
+
+A suspect is read blind first, and by the reference where that tells no payload: what both say has twice the chance
+of being wrong that each has alone, and takes the time of both.
+"""
 
 from __future__ import annotations
 
@@ -7,78 +11,61 @@ from dataclasses import replace
 from math import log10
 from typing import Any
 
-from meshmark.research.benchmark.run.job import Outcome, shared_mark
+from meshmark.research.benchmark.run.job import Job, Outcome, shared_mark
 from meshmark.research.benchmark.run.row import Case, Row
 from meshmark.research.schemes.scheme import SharedMark
 
-__all__ = ["SharedReadings", "blind_of", "outcome_of"]
+__all__ = ["answered_blind", "blind_of", "outcome_of", "read_by_both"]
 
 # Fields of a row that say what was read.
-_READ = ("ber", "raw_ber", "correlation", "present", "recovered", "log10_false_positive")
+_READ = ("ber", "raw_ber", "correlation", "present", "decoded", "recovered", "log10_false_positive")
 # The chance of being wrong is shared by two readings.
 _HALF = log10(2.0)
 
 
-def blind_of(case: Case, schemes: Iterable[str]) -> Case | None:
+def blind_of(job: Job, schemes: Iterable[str]) -> Case | None:
     """Return the case in which a blind scheme reads the same suspect, None where none of these schemes does."""
-    shared = shared_mark(case.scheme)
-    if shared is None or shared.scheme not in schemes:
+    shared = shared_mark(job.scheme) if isinstance(job, Case) else None
+    if not isinstance(job, Case) or shared is None or shared.scheme not in schemes:
         return None
-    return replace(case, scheme=shared.scheme)
-
-
-class SharedReadings:
-    """Puts together what was read by a reference and blind, whichever comes first.
-
-    schemes: of the run. known: outcomes of blind cases from an earlier start.
-    """
-
-    def __init__(self, schemes: Iterable[str], known: Mapping[Case, Outcome]) -> None:
-        """Wait for the cases of these schemes."""
-        self._schemes = frozenset(schemes)
-        self._known = dict(known)
-        self._waiting: dict[Case, list[tuple[Case, Outcome, SharedMark]]] = {}
-
-    def settled(self, case: Case, outcome: Outcome) -> list[tuple[Case, Outcome]]:
-        """Return the cases that are over now that this one has ended, with their outcomes."""
-        blind, shared = blind_of(case, self._schemes), shared_mark(case.scheme)
-        if blind is not None and shared is not None and outcome.status == "ok":
-            outcome = replace(outcome, figures=_halved(outcome.figures, shared))
-            if outcome.figures["present"]:
-                return [(case, outcome)]
-            if blind in self._known:
-                return [(case, _read_blind(outcome, self._known[blind], shared))]
-            self._waiting.setdefault(blind, []).append((case, outcome, shared))
-            return []
-        self._known[case] = outcome
-        waited = self._waiting.pop(case, [])
-        return [(case, outcome), *((other, _read_blind(told, outcome, mark)) for other, told, mark in waited)]
+    return replace(job, scheme=shared.scheme)
 
 
 def outcome_of(row: Row) -> Outcome:
-    """Return the outcome that a row was made of."""
-    figures = {name: getattr(row, name) for name in (*_READ, "extract_seconds", "peak_mb")}
+    """Return the outcome of a reading that a row was made of."""
+    times = ("attack_seconds", "extract_seconds", "vertices_per_second", "attacked_psnr_db", "peak_mb")
+    figures = {name: getattr(row, name) for name in (*_READ, *times)}
     return Outcome(status=row.status, note=row.note, figures=figures)
 
 
-def _read_blind(told: Outcome, blind: Outcome, shared: SharedMark) -> Outcome:
-    """Return what was read blind where a reference told nothing, at the cost of both."""
+def answered_blind(case: Case, blind: Outcome) -> Outcome | None:
+    """Return the outcome of a case whose payload was decoded blind; None: it is to be read by the reference."""
+    shared = shared_mark(case.scheme)
+    if shared is None or blind.status != "ok" or not blind.figures["decoded"]:
+        return None
+    halved = _halved(blind.figures, shared)
+    return replace(blind, figures=halved) if halved["present"] else None
+
+
+def read_by_both(case: Case, told: Outcome, blind: Outcome) -> Outcome:
+    """Return the outcome of a case from what its reference told and what was read blind."""
+    shared = shared_mark(case.scheme)
+    if shared is None or told.status != "ok":
+        return told
+    figures = _halved(told.figures, shared)
     if blind.status != "ok":
-        return blind
-    read = _halved({name: blind.figures[name] for name in _READ}, shared)
+        return replace(told, figures=figures) if figures["present"] else blind
+    if not figures["present"]:
+        figures |= _halved({name: blind.figures[name] for name in _READ}, shared)
     points = told.figures["vertices_per_second"] * told.figures["extract_seconds"]
     seconds = told.figures["extract_seconds"] + blind.figures["extract_seconds"]
     peaks = [each.figures["peak_mb"] for each in (told, blind) if each.figures.get("peak_mb")]
-    return replace(
-        told,
-        figures={
-            **told.figures,
-            **read,
-            "extract_seconds": seconds,
-            "vertices_per_second": points / seconds,
-            "peak_mb": max(peaks, default=None),
-        },
-    )
+    figures |= {
+        "extract_seconds": seconds,
+        "vertices_per_second": points / seconds,
+        "peak_mb": max(peaks, default=None),
+    }
+    return replace(told, figures=figures)
 
 
 def _halved(figures: Mapping[str, Any], shared: SharedMark) -> dict[str, Any]:

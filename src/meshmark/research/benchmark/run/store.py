@@ -19,7 +19,7 @@ __all__ = ["NAME", "Store"]
 NAME = "results.sqlite"
 _CASE = [field.name for field in fields(Case)]
 _ROW = [field.name for field in fields(Row) if field.name != "case"]
-_FLAGS = {"present", "recovered"}
+_FLAGS = {"present", "decoded", "recovered"}
 _SCHEMA = f"""
 CREATE TABLE IF NOT EXISTS run (start INTEGER PRIMARY KEY, facts TEXT NOT NULL, seconds REAL NOT NULL);
 CREATE TABLE IF NOT EXISTS jobs (job TEXT PRIMARY KEY, status TEXT, note TEXT, figures TEXT);
