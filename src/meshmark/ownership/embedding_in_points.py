@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import islice, product
+from typing import NamedTuple
 
 import numpy as np
 
@@ -44,6 +45,8 @@ SMALLER = 0.75
 # them further than they should.
 WORTH = (1.0, 0.9, 0.75, 0.6)
 DENTED = 0.5
+# Share of what the best choice is worth at most, below which it is tried whether planes that bend leave more.
+WEAK = 0.25
 # Share of the coordinates at most where others are to carry a fingerprint.
 BESIDE_FINGERPRINT = 0.25
 # Of models with at most so many points, marks of fewer bits than 64 are chosen by after how many of these noises
@@ -62,7 +65,9 @@ def embed_in_points(task: EmbeddingTask) -> Owned:
             f"its {used:,} points are too many for points to carry it, {MOST_POINTS:,} at most"
         )
     lattice = PointLattice.keyed(task.key, task.label)
-    # Planes cost room: where they leave too little of it, they bend.
+    tried: list[_Tried] = []
+    told = 0.0
+    # Planes cost room: where little is left, they may bend.
     for planes in (task.planes, None) if task.has_planes else (None,):
         shaping = PointShaping(
             task.surface,
@@ -72,54 +77,68 @@ def embed_in_points(task: EmbeddingTask) -> Owned:
             budget=task.rms,
             planes=planes,
         )
-        tried, told = _tried(task, shaping, lattice)
-        best = _best_read(task, tried)
-        if best is not None:
-            return best
+        hoped = 0.0
+        for worth, made in _tries(task, shaping, lattice):
+            hoped = max(hoped, worth)
+            tried += [] if made is None else [made]
+        told = max((each.told for each in tried), default=0.0)
+        if planes is None or max((each.worth for each in tried), default=0.0) >= WEAK * hoped:
+            best = _best_read(task, tried)
+            if best is not None:
+                return best
     most = max(
         shaping.expected(Choice(step=float(STEPS[0]), mode=mode, share=1.0))[0] for mode in range(len(MODES))
     )
     raise CapacityError(_lacking(used, most, told, DISTINCT_BITS[task.bits]))
 
 
-def _tried(
+class _Tried(NamedTuple):
+    """A choice that could be made: its worth, its step, how many bits it tells, and the marked mesh."""
+
+    worth: float
+    step: float
+    told: float
+    mesh: Mesh
+
+
+def _tries(
     task: EmbeddingTask, shaping: PointShaping, lattice: PointLattice
-) -> tuple[list[tuple[float, float, Mesh]], float]:
-    """Return worth, step and mesh of each choice that could be made, and the most bits that one tells."""
-    tried: list[tuple[float, float, Mesh]] = []
-    told = 0.0
-    for worth, choice in islice(_choices(shaping, task), TRIES):
-        if tried and worth <= max(worth for worth, _, _ in tried):
+) -> Iterator[tuple[float, _Tried | None]]:
+    """Yield what a few choices are worth at most, and what became of them, None where they cannot be made."""
+    best: float | None = None
+    for most, choice in islice(_choices(shaping, task), TRIES):
+        if best is not None and most <= best:
             break  # the rest is worth less even where everything can be set
-        made = _made(task, shaping, choice)
-        if made is not None:
-            bits = _told(task, made, lattice, choice)
-            told, worth = max(told, bits), _worth(choice, bits, task.bits)
-            tried.append((worth if task.keeps_planes(made) else DENTED * worth, choice.step, made))
-    return tried, told
+        mesh = _made(task, shaping, choice)
+        if mesh is None:
+            yield most, None
+            continue
+        told = _told(task, mesh, lattice, choice)
+        worth = _worth(choice, told, task.bits) * (1.0 if task.keeps_planes(mesh) else DENTED)
+        best = worth if best is None else max(best, worth)
+        yield most, _Tried(worth, choice.step, told, mesh)
 
 
-def _best_read(task: EmbeddingTask, tried: list[tuple[float, float, Mesh]]) -> Owned | None:
+def _best_read(task: EmbeddingTask, tried: list[_Tried]) -> Owned | None:
     """Return the mark of the choice of most worth that is read back, and of few bits of those that bears most."""
     best: tuple[int, Owned] | None = None
     compared = 0
-    for worth, step, marked in sorted(tried, key=lambda entry: -entry[0]):
-        carriers = _read_back(task, marked) if worth > 0.0 else 0
+    for each in sorted(tried, key=lambda each: -each.worth):
+        carriers = _read_back(task, each.mesh) if each.worth > 0.0 else 0
         if carriers:
-            step /= SIDE
             mark = OwnershipMark(
                 carriers=carriers,
                 frame=task.surface.frame,
                 label=task.label,
                 spacing=SIDE,
-                step=step,
+                step=each.step / SIDE,
                 at_points=True,
                 bits=task.bits,
             )
-            borne = _borne(task, marked)
+            borne = _borne(task, each.mesh)
             compared += 1
             if best is None or borne > best[0]:
-                best = borne, Owned(mesh=marked, mark=mark)
+                best = borne, Owned(mesh=each.mesh, mark=mark)
             if borne == NOISES or compared == COMPARED:
                 break
     return None if best is None else best[1]
