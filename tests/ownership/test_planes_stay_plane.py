@@ -10,9 +10,10 @@ import pytest
 from meshmark.geometry.plane_patches import PlanePatches
 from meshmark.geometry.surface_of import surface_of
 from meshmark.mesh import Mesh
-from meshmark.ownership import embedding
+from meshmark.ownership import embedding, embedding_in_points
 from meshmark.ownership.embedding import embed
 from meshmark.ownership.embedding_task import PLANE_OFF, EmbeddingTask
+from meshmark.ownership.points.point_shaping import PointShaping
 from tests.keys import ID, KEY
 from tests.low_poly import box, joined, prism
 from tests.shapes import boulder
@@ -55,18 +56,48 @@ def test_a_column_of_flat_panels_stays_one():
     assert off_plane(column, embed(column, KEY, id=ID).mesh) <= PLANE_OFF
 
 
-def test_corners_of_many_planes_leave_them_plane():
+@pytest.fixture(scope="module")
+def blocks():
+    """Turned boxes, all of whose 256 points are corners of three planes."""
     rng = np.random.default_rng(3)
     points, faces = box((1, 1, 1), (2.0, 2.0, 2.0), (-1.0, -1.0, -1.0))
-    blocks = []
+    parts = []
     for place in product(range(4), range(4), range(2)):
         turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
         size = rng.uniform(0.2, 0.4, size=3)
-        blocks.append((points * size @ turn + np.array(place) * [1.0, 1.3, 1.7], faces))
-    model = Mesh(*joined(blocks))
-    made = embed(model, KEY, id=ID)
+        parts.append((points * size @ turn + np.array(place) * [1.0, 1.3, 1.7], faces))
+    return Mesh(*joined(parts))
+
+
+def test_corners_of_many_planes_take_them_along(blocks):
+    made = embed(blocks, KEY, id=ID)
     assert made.mark.at_points
-    assert off_plane(model, made.mesh) <= PLANE_OFF
+    assert off_plane(blocks, made.mesh) <= PLANE_OFF
+
+
+@pytest.mark.parametrize(("weak", "tried"), [(0.0, [True]), (2.0, [True, False])])
+def test_planes_may_bend_where_they_leave_little_room(blocks, monkeypatch, weak, tried):
+    kept = []
+
+    class Noted(PointShaping):
+        def __init__(self, *given, planes, **named):
+            kept.append(planes is not None)
+            super().__init__(*given, planes=planes, **named)
+
+    monkeypatch.setattr(embedding_in_points, "PointShaping", Noted)
+    monkeypatch.setattr(embedding_in_points, "WEAK", weak)
+    assert embed(blocks, KEY, id=ID).mark.at_points
+    assert kept == tried
+
+
+def test_a_model_is_marked_where_its_planes_cannot_be_kept(blocks, monkeypatch):
+    shaped = PointShaping.shaped
+    monkeypatch.setattr(
+        PointShaping, "shaped", lambda self, choice: None if self._patches else shaped(self, choice)
+    )
+    made = embed(blocks, KEY, id=ID)
+    assert made.mark.at_points
+    assert off_plane(blocks, made.mesh) > PLANE_OFF
 
 
 def test_large_models_keep_the_tougher_mark(mixed, monkeypatch):
