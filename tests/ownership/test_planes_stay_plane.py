@@ -75,6 +75,13 @@ def test_corners_of_many_planes_take_them_along(blocks):
     assert off_plane(blocks, made.mesh) <= PLANE_OFF
 
 
+def test_slivers_as_wide_as_a_rounding_do_not_matter(blocks):
+    strip = np.array([[0.0, 0.0, 0.0], [0.5, 0.0, 0.0], [0.0, 6.1e-17, 0.0], [0.5, 6.1e-17, 0.0]])
+    parts = [(blocks.vertices, blocks.faces), (strip, np.array([[0, 1, 3], [0, 3, 2]]))]
+    model = Mesh(*joined(parts))
+    assert off_plane(model, embed(model, KEY, id=ID).mesh) <= PLANE_OFF
+
+
 @pytest.mark.parametrize(("weak", "tried"), [(0.0, [True]), (2.0, [True, False])])
 def test_planes_may_bend_where_they_leave_little_room(blocks, monkeypatch, weak, tried):
     kept = []

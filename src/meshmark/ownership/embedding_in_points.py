@@ -45,7 +45,8 @@ SMALLER = 0.75
 # them further than they should.
 WORTH = (1.0, 0.9, 0.75, 0.6)
 DENTED = 0.5
-# Share of what the best choice is worth at most, below which it is tried whether planes that bend leave more.
+# Share of what a choice may be worth at most, below which the best that keeps planes is compared with those that
+# may bend them.
 WEAK = 0.25
 # Share of the coordinates at most where others are to carry a fingerprint.
 BESIDE_FINGERPRINT = 0.25
@@ -67,7 +68,7 @@ def embed_in_points(task: EmbeddingTask) -> Owned:
     lattice = PointLattice.keyed(task.key, task.label)
     tried: list[_Tried] = []
     told = 0.0
-    # Planes cost room: where little is left, they may bend.
+    # Planes that are kept leave less room for coordinates to be set: where it is too little, they may bend.
     for planes in (task.planes, None) if task.has_planes else (None,):
         shaping = PointShaping(
             task.surface,
@@ -81,11 +82,14 @@ def embed_in_points(task: EmbeddingTask) -> Owned:
         for worth, made in _tries(task, shaping, lattice):
             hoped = max(hoped, worth)
             tried += [] if made is None else [made]
-        told = max((each.told for each in tried), default=0.0)
+        told = max([told, *(each.told for each in tried)])
         if planes is None or max((each.worth for each in tried), default=0.0) >= WEAK * hoped:
             best = _best_read(task, tried)
             if best is not None:
                 return best
+            tried = []  # none of them is read
+        if not hoped:
+            break  # no choice has room, however planes bend
     most = max(
         shaping.expected(Choice(step=float(STEPS[0]), mode=mode, share=1.0))[0] for mode in range(len(MODES))
     )

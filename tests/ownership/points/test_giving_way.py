@@ -96,6 +96,19 @@ def test_planes_are_plane_again_and_what_is_carried_stays(shape):
     assert np.linalg.norm(flat, axis=1).max() < 5.0 * np.linalg.norm(shape.motion, axis=1).max()
 
 
+def test_a_patch_that_is_a_line_cannot_tilt_round_itself():
+    points = np.array([[0.0, 0.0, 0.0], [0.5, 0.0, 0.0], [0.0, 6.1e-17, 0.0], [0.5, 6.1e-17, 0.0]])
+    patches = PlanePatches.of(points, np.array([[0, 1, 3], [0, 3, 2]]))
+    assert len(patches.point) == 4
+    kept = PlanesKept.of(points, patches, None)
+    gram = (kept.slopes.T @ kept.slopes).toarray()
+    np.testing.assert_allclose(gram, np.diag(gram.diagonal()), atol=1e-9)
+    np.testing.assert_allclose(np.sort(gram.diagonal()), [0.0, 1.0, 1.0], atol=1e-9)
+    together = GivingTogether(np.tile(np.eye(3), (4, 1, 1)), kept)
+    assert np.isfinite(together.flattened(np.eye(4, 3))).all()
+    assert np.isfinite(together.given(np.ones((1, 3, 4)))).all()
+
+
 def test_nothing_is_flattened_where_each_gives_way_alone(shape):
     assert shape.alone.flattened(shape.motion) is shape.motion
 

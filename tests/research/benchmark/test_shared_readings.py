@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 
 from meshmark.coding.keys import Key
+from meshmark.errors import InputError
 from meshmark.mesh import Mesh
 from meshmark.research import SCHEMES
 from meshmark.research.benchmark.run.job import Mark, Outcome, mark_of
 from meshmark.research.benchmark.run.model_files import load_shipped
 from meshmark.research.benchmark.run.row import Row
-from meshmark.research.benchmark.run.run import Plan, run
+from meshmark.research.benchmark.run.run import Plan, run, schemes_of
 from meshmark.research.benchmark.run.schedule import Schedule
 from meshmark.research.benchmark.run.shared_readings import answered_blind, blind_of, outcome_of, read_by_both
 from meshmark.research.benchmark.run.store import Store
@@ -23,6 +24,16 @@ from tests.research.benchmark.test_judging import case
 
 BLIND = case("none", scheme="ncdg_lv")
 INFORMED = case("none", scheme="ncdg_lv_original")
+SCHEME = """
+from meshmark.research.schemes.scheme import SharedMark
+
+class Mine:
+    title, source = "Mine", "tests of meshmark"
+    bits = 64
+    {}
+    def embed(self, mesh, bits, key, *, strength="standard"): return mesh
+    def extract(self, mesh, key, *, reference=None): return None
+"""
 SCHEMES_OF_RUN = ("ncdg_lv", "ncdg_lv_original")
 
 
@@ -49,6 +60,9 @@ def test_a_case_is_read_alone_where_the_run_has_no_blind_one():
     assert blind_of(INFORMED, SCHEMES_OF_RUN) == BLIND
     assert blind_of(INFORMED, ("ncdg_lv_original",)) is None
     assert blind_of(BLIND, SCHEMES_OF_RUN) is None
+    assert blind_of(replace(INFORMED, suite="speed"), SCHEMES_OF_RUN) is None, (
+        "its times are of each by itself"
+    )
     assert blind_of(case("none", scheme="cho_mean"), ("cho_mean", *SCHEMES_OF_RUN)) is None
 
 
@@ -77,8 +91,8 @@ def test_what_was_read_blind_is_taken_where_the_reference_tells_nothing():
     figures = read_by_both(INFORMED, read(False, -1.0, ber=0.5), blind).figures
     assert (figures["ber"], figures["present"]) == (0.0, True)
     assert figures["log10_false_positive"] == pytest.approx(-20.0 + np.log10(2.0))
-    weak = read_by_both(INFORMED, read(False, 0.0), read(True, -6.1, decoded=False)).figures
-    assert (weak["present"], weak["recovered"]) == (False, False)
+    weak = read_by_both(INFORMED, read(False, 0.0), read(True, -6.1)).figures
+    assert (weak["present"], weak["decoded"], weak["recovered"]) == (False, False, False)
 
 
 def test_a_blind_reading_that_did_not_end_ends_the_others_unless_they_tell():
@@ -128,6 +142,56 @@ def test_a_run_of_both_says_what_each_says(models, tmp_path):
     }
     assert told == {"toy": False, "sorting": True}
     assert len(list((tmp_path / "both" / "marked").glob("*.npz"))) == 2
+
+
+@pytest.mark.usefixtures("toys")
+@pytest.mark.parametrize("status", ["timeout", "failed"])
+def test_a_run_goes_on_with_blind_readings_that_did_not_end(models, tmp_path, status):
+    plan = Plan(suite="smoke", data=models, out=tmp_path, schemes=("toy", "sorting"), workers=1, limit=1)
+    run(plan)
+    with Store(tmp_path) as store:
+        store._base.execute("DELETE FROM rows WHERE scheme = 'sorting'")
+        store._base.execute("UPDATE rows SET status = ?, note = 'lost' WHERE scheme = 'toy'", [status])
+    again = [row for row in run(plan).rows if row.case.scheme == "sorting"]
+    told = [row for row in again if row.status == "ok"]
+    assert {(row.status, row.note) for row in again} == {("ok", ""), (status, "lost")}
+    assert all(row.recovered for row in some(told))
+    assert "shuffle:1" in {row.case.attack for row in told}
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("blind, shared_mark = True, SharedMark(scheme='ncdg_lv', log10_present=-6.0)", "is blind"),
+        (
+            "blind, shared_mark = False, SharedMark(scheme='ncdg_lv', log10_present=-6.0)",
+            "lacks extract_by_reference",
+        ),
+    ],
+)
+def test_a_scheme_that_cannot_share_a_mark_is_refused(tmp_path, text, message):
+    (tmp_path / "mine.py").write_text(SCHEME.format(text))
+    with pytest.raises(InputError, match=message):
+        SCHEMES[str(tmp_path / "mine.py")]
+
+
+@pytest.mark.parametrize(
+    ("other", "bits"), [("none of these", 64), ("ncdg_lv", 16), ("ncdg_lv_original", 64)]
+)
+def test_a_run_is_refused_where_there_is_no_such_mark(tmp_path, other, bits):
+    text = f"blind, shared_mark = False, SharedMark(scheme={other!r}, log10_present=-6.0)"
+    path = tmp_path / "mine.py"
+    path.write_text(
+        SCHEME.format(text).replace("bits = 64", f"bits = {bits}") + "    extract_by_reference = extract\n"
+    )
+    with pytest.raises(InputError, match=f"reads the marks of '{other}'"):
+        schemes_of(Plan(suite="smoke", data=None, out=tmp_path, schemes=(str(path),)))
+
+
+def test_an_attribute_of_that_name_is_no_shared_mark(tmp_path):
+    path = tmp_path / "mine.py"
+    path.write_text(SCHEME.format("blind, shared_mark = True, 5"))
+    assert mark_of(replace(BLIND, scheme=str(path))).scheme == str(path)
 
 
 @pytest.mark.usefixtures("toys")

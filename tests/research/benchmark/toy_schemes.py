@@ -61,17 +61,19 @@ class Crashing(Toy):
 class Sorting(Toy):
     """Reads the toy's marks where the original tells in which order the vertices were."""
 
-    title, blind, shared = "Sorting", False, SharedMark(scheme="toy", log10_present=-6.0)
+    title, blind, shared_mark = "Sorting", False, SharedMark(scheme="toy", log10_present=-6.0)
 
     def extract(self, mesh, key, *, reference=None):
         found = self.extract_by_reference(mesh, key, reference=reference)
         return found if found.present else super().extract(mesh, key)
 
     def extract_by_reference(self, mesh, key, *, reference):
+        if len(mesh.vertices) != len(reference.vertices):
+            return replace(super().extract(mesh, key), present=False, decoded=False)
         order = np.lexsort(mesh.vertices[:, 1:].T)[np.argsort(np.lexsort(reference.vertices[:, 1:].T))]
         same = np.allclose(mesh.vertices[order][:, 1:], reference.vertices[:, 1:], atol=1e-9)
         found = super().extract(mesh.with_vertices(mesh.vertices[order]), key)
-        return found if same else replace(found, present=False)
+        return found if same else replace(found, present=False, decoded=False)
 
 
 class Hanging(Toy):

@@ -37,7 +37,7 @@ def balanced(
     follow : (p, 3, 3) float array
         Motion for a change of each coordinate.
     cost : (p, 3, 3) float array
-        Energy of a motion v is v' cost v.
+        Energy of a motion v is v' cost v, of points on kept planes about.
     carries : (p, 3) bool array
         The coordinates that are set.
     step : float

@@ -17,6 +17,8 @@ __all__ = ["Giving", "GivingAlone", "GivingTogether", "PlanesKept"]
 
 # Ways to give way that yield less than this share of the most are left out.
 STIFF = 1e-9
+# A patch that is narrower than this share of its length is a line: it cannot tilt round itself.
+LINE = 1e-7
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -24,7 +26,7 @@ class PlanesKept:
     """How r points of k plane patches leave the planes of these; a point is counted in each of its patches.
 
     away: (r, 3p) distance of each from its plane, for a motion of all p points. slopes: (r, 3k) orthonormal, what
-    of such distances is a motion of the planes themselves.
+    of such distances is a motion of the planes themselves; 0 in the column of a tilt that a plane cannot have.
     """
 
     away: sp.csr_array
@@ -45,9 +47,8 @@ class PlanesKept:
         axes = np.linalg.eigh(spread)[1][patch]  # of each point's patch: across the plane, and two in it
         within = np.einsum("ri,rij->rj", beside, axes[:, :, 1:])
         length = np.stack([np.sqrt(np.bincount(patch, axis**2)) for axis in within.T], axis=1)
-        slopes = np.column_stack(
-            [size[patch] ** -0.5, within / np.maximum(length[patch], np.finfo(float).tiny)]
-        )
+        length[length <= LINE * length.max(axis=1, keepdims=True)] = np.inf
+        slopes = np.column_stack([size[patch] ** -0.5, within / length[patch]])
         away = _by_threes(axes[:, :, 0], patches.point, len(points))
         if joints is not None:
             away = away @ sp.kron(joints, sp.eye_array(3), format="csr")
@@ -131,11 +132,12 @@ class GivingTogether:
         bends, slopes = self._bends, self.planes.slopes
         own = sp.eye_array(bends.shape[1]) + bends.T @ bends
         between = -(bends.T @ slopes)
-        energy: Any = sp.block_array([[own, between], [between.T, slopes.T @ slopes]], format="csc")
-        # Symmetric and positive definite: no pivots are needed.
-        return splu(
-            energy, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+        energy: Any = sp.block_array(
+            [[own, between], [between.T, sp.eye_array(slopes.shape[1])]], format="csc"
         )
+        # Symmetric and positive definite: no pivots are needed. Patches of many points are rows of many entries,
+        # with which minimum degree orderings of the symmetric graph take quadratic time.
+        return splu(energy, permc_spec="COLAMD", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
 
     def _solved(self, forces: FloatArray) -> FloatArray:
         """Return the ways (n, q) to give way under forces (n, q), while the planes follow."""

@@ -183,8 +183,8 @@ class PointShaping:
             if folded.any():
                 frozen = frozen | _touched(joints, np.unique(surface.faces[folded]), len(points))
             elif far.max() > 1.0:
-                # Those that go too far for their own sake are let go, others give way less. Planes take many along
-                # at first.
+                # Those that go too far for their own sake stay where they are, others give way less. At first
+                # planes take many along, which then only give way less.
                 if self._planes is None or number >= PASSES:
                     own = np.flatnonzero((far > 1.0) & carries.any(axis=1))
                     frozen = frozen | _touched(joints, own, len(points))

@@ -61,8 +61,14 @@ def main(arguments: Sequence[str]) -> int:
     except (OSError, InputError) as error:
         print(f"leaderboard: {error}", file=sys.stderr)
         return 2
-    except (KeyError, UnicodeDecodeError):
-        print(f"leaderboard: {source} is no results.csv of a benchmark", file=sys.stderr)
+    except KeyError as error:
+        print(
+            f"leaderboard: {source} is no results.csv of this version's benchmark: it has no column {error}",
+            file=sys.stderr,
+        )
+        return 2
+    except UnicodeDecodeError:
+        print(f"leaderboard: {source} is no results.csv of a benchmark: it is no text", file=sys.stderr)
         return 2
     return 0
 

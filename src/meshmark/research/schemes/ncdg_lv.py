@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from operator import attrgetter
+from dataclasses import replace
 
 import numpy as np
 
@@ -56,13 +56,14 @@ class NcdgLvOriginal(NcdgLv):
     title = "NCDG-LV with the original"
     source = "NCDG-LV, ownership layer (docs/design.md, section 6)"
     blind = False
-    shared = SharedMark(scheme="ncdg_lv", log10_present=PRESENT_LOG10)
+    shared_mark = SharedMark(scheme="ncdg_lv", log10_present=PRESENT_LOG10)
 
     @on_one_thread
     def extract_by_reference(self, mesh: Mesh, key: Key, *, reference: Mesh | Certificate) -> Readout:
-        """Read in the frames that the reference gives, and nowhere else."""
+        """Read by those strategies that need the reference, and no others."""
         search = Search(surface=weld(mesh), key=key, effort=self.effort, reference=reference)
-        return _readout(find(search, attrgetter("by_reference")), key)
+        blind = replace(search, reference=None)
+        return _readout(find(search, lambda each: each.by_reference or not each.applies(blind)), key)
 
 
 class NcdgLvCertificate(NcdgLvOriginal):

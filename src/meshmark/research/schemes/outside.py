@@ -14,7 +14,7 @@ from types import CodeType, ModuleType
 from typing import Any
 
 from meshmark.errors import InputError
-from meshmark.research.schemes.scheme import Scheme
+from meshmark.research.schemes.scheme import Scheme, SharedMark
 
 __all__ = ["ENTRY_POINTS", "FILE_ENDING", "file_digest", "load_file", "load_point", "points"]
 
@@ -91,4 +91,9 @@ def _checked(scheme: Any, what: str) -> Scheme:
     if not isinstance(scheme, Scheme):
         missing = [part for part in _PARTS if not hasattr(scheme, part)]
         raise InputError(f"{what} lacks {', '.join(missing)}")
+    if isinstance(getattr(scheme, "shared_mark", None), SharedMark):
+        if scheme.blind:
+            raise InputError(f"{what} has shared_mark and is blind, expected one that reads with a reference")
+        if not hasattr(scheme, "extract_by_reference"):
+            raise InputError(f"{what} has shared_mark and lacks extract_by_reference")
     return scheme

@@ -63,10 +63,10 @@ class Scheme(Protocol):
     given that as its reference instead of the original.
     A scheme that was built here after a publication may have `reconstruction`, what of it is ours because the
     source does not say; reports show it wherever they name the source.
-    A scheme that reads the marks of a blind one may have `shared`, a `SharedMark`, and `extract_by_reference`, with
-    the arguments of `extract`, which does not look where the blind one does. A benchmark of both then marks once,
-    and asks for the reference only where the blind scheme has decoded nothing; each of the two has half the chance
-    of being wrong.
+    A scheme that reads the marks of a blind one may have `shared_mark`, a `SharedMark`, and `extract_by_reference`,
+    with the arguments of `extract`, which need not look where the blind one does. A benchmark of both then marks
+    once, and asks for the reference only where the blind scheme has decoded nothing; each of the two has half the
+    chance of being wrong.
     A scheme whose readouts have `raw` also has `code(bits, key)`, the code bits (c,) that stand for a payload.
     """
 

@@ -10,6 +10,7 @@ from meshmark.attacks.chain import parse_chain
 from meshmark.research import SCHEMES
 from meshmark.research.benchmark.run.row import Case
 from meshmark.research.benchmark.run.suites import SUITES
+from meshmark.research.schemes.outside import FILE_ENDING, file_digest
 from meshmark.research.schemes.scheme import SharedMark
 
 __all__ = [
@@ -72,10 +73,17 @@ class Outcome:
     figures: dict[str, Any] = field(default_factory=dict)
 
 
-@lru_cache(maxsize=64)
 def shared_mark(scheme: str) -> SharedMark | None:
     """Return whose marks a scheme reads, None for its own."""
-    return getattr(SCHEMES[scheme], "shared", None) if scheme in SCHEMES else None
+    return _shared_mark(scheme, file_digest(scheme) if scheme.endswith(FILE_ENDING) else "")
+
+
+@lru_cache(maxsize=64)
+def _shared_mark(scheme: str, _digest: str) -> SharedMark | None:
+    if scheme not in SCHEMES:
+        return None
+    shared = getattr(SCHEMES[scheme], "shared_mark", None)
+    return shared if isinstance(shared, SharedMark) else None
 
 
 def mark_of(case: Case) -> Mark:

@@ -12,7 +12,17 @@ from time import perf_counter
 from meshmark.errors import InputError, OutputError
 from meshmark.research import SCHEMES
 from meshmark.research.benchmark.run.facts import Facts, cores, facts_of_now, memory_mb
-from meshmark.research.benchmark.run.job import Job, Look, Mark, Outcome, Probe, mark_of, model_of, needs
+from meshmark.research.benchmark.run.job import (
+    Job,
+    Look,
+    Mark,
+    Outcome,
+    Probe,
+    mark_of,
+    model_of,
+    needs,
+    shared_mark,
+)
 from meshmark.research.benchmark.run.marked_models import clear_unfinished, mark_path
 from meshmark.research.benchmark.run.model_files import find_models, split_of, spread, write_shipped
 from meshmark.research.benchmark.run.row import Case, Row
@@ -129,7 +139,20 @@ def schemes_of(plan: Plan) -> tuple[str, ...]:
         if name not in SCHEMES:
             known = ", ".join([*SCHEMES, "all", "a file .py"])
             raise InputError(f"'{name}' is not a scheme, expected one of {known}")
+        _check_shared(name)
     return names
+
+
+def _check_shared(name: str) -> None:
+    """Raise `InputError` for a scheme that reads the marks of another, unless that is blind and as long."""
+    shared = shared_mark(name)
+    if shared is None:
+        return
+    other = SCHEMES.get(shared.scheme)
+    if other is None or not other.blind or other.bits != SCHEMES[name].bits:
+        raise InputError(
+            f"'{name}' reads the marks of '{shared.scheme}', expected a blind scheme of {SCHEMES[name].bits} bits"
+        )
 
 
 def _wanted(plan: Plan, models: Iterable[str], names: Iterable[str]) -> Iterator[Case | Probe]:

@@ -1,7 +1,7 @@
 """What a blind scheme has read is an answer, too, for the schemes that read the same marks with a reference.
 
 A suspect is read blind first, and by the reference where that tells no payload: what both say has twice the chance
-of being wrong that each has alone, and takes the time of both.
+of being wrong that each has alone. The time is that of the readings that were made.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from typing import Any
 
 from meshmark.research.benchmark.run.job import Job, Outcome, shared_mark
 from meshmark.research.benchmark.run.row import Case, Row
+from meshmark.research.benchmark.run.suites import SUITES
 from meshmark.research.schemes.scheme import SharedMark
 
 __all__ = ["answered_blind", "blind_of", "outcome_of", "read_by_both"]
@@ -24,9 +25,14 @@ _HALF = log10(2.0)
 
 
 def blind_of(job: Job, schemes: Iterable[str]) -> Case | None:
-    """Return the case in which a blind scheme reads the same suspect, None where none of these schemes does."""
-    shared = shared_mark(job.scheme) if isinstance(job, Case) else None
-    if not isinstance(job, Case) or shared is None or shared.scheme not in schemes:
+    """Return the case in which a blind scheme reads the same suspect, None where none of these schemes does.
+
+    None as well in a suite that is made for the times of each scheme.
+    """
+    if not isinstance(job, Case) or SUITES[job.suite].fresh:
+        return None
+    shared = shared_mark(job.scheme)
+    if shared is None or shared.scheme not in schemes:
         return None
     return replace(job, scheme=shared.scheme)
 
@@ -78,5 +84,6 @@ def _halved(figures: Mapping[str, Any], shared: SharedMark) -> dict[str, Any]:
         **figures,
         "log10_false_positive": bound,
         "present": present,
+        "decoded": present and bool(figures["decoded"]),
         "recovered": present and bool(figures["recovered"]),
     }
