@@ -78,18 +78,17 @@ def embed_in_points(task: EmbeddingTask) -> Owned:
             budget=task.rms,
             planes=planes,
         )
-        hoped = 0.0
-        for worth, made in _tries(task, shaping, lattice):
-            hoped = max(hoped, worth)
-            tried += [] if made is None else [made]
+        tries = list(_tries(task, shaping, lattice))
+        if not tries:
+            break  # no choice has room, however planes bend
+        hoped = max(worth for worth, _ in tries)
+        tried += [made for _, made in tries if made is not None]
         told = max([told, *(each.told for each in tried)])
         if planes is None or max((each.worth for each in tried), default=0.0) >= WEAK * hoped:
             best = _best_read(task, tried)
             if best is not None:
                 return best
             tried = []  # none of them is read
-        if not hoped:
-            break  # no choice has room, however planes bend
     most = max(
         shaping.expected(Choice(step=float(STEPS[0]), mode=mode, share=1.0))[0] for mode in range(len(MODES))
     )
