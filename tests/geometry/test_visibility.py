@@ -36,6 +36,15 @@ def test_a_wave_is_seen_by_its_slope_not_by_its_height():
     assert steep.median > 2.0 * gentle.median
 
 
+def test_points_that_are_seen_lie_where_the_surface_changed():
+    seen = VisibleChange(POINTS, FACES)
+    right = POINTS[:, 0] > np.median(POINTS[:, 0])
+    found = seen.seen(POINTS + (waves(5e-4, 20) * right)[:, None] * NORMALS)
+    assert found[right].mean() > 0.3
+    assert found[~right].mean() < 0.15
+    assert not seen.seen(POINTS + 3.0).any()
+
+
 def test_rough_surface_hides_what_shows_on_a_smooth_one():
     noise = 2e-3 * SIZE * np.random.default_rng(1).normal(size=POINTS.shape)
     change = waves(2e-4, 15)[:, None] * NORMALS

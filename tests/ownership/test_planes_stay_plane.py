@@ -9,6 +9,7 @@ import pytest
 
 from meshmark.geometry.plane_patches import PlanePatches
 from meshmark.geometry.surface_of import surface_of
+from meshmark.geometry.visibility import VisibleChange
 from meshmark.mesh import Mesh
 from meshmark.ownership import embedding, embedding_in_points
 from meshmark.ownership.embedding import embed
@@ -95,6 +96,26 @@ def test_planes_may_bend_where_they_leave_little_room(blocks, monkeypatch, weak,
     monkeypatch.setattr(embedding_in_points, "WEAK", weak)
     assert embed(blocks, KEY, id=ID).mark.at_points
     assert kept == tried
+
+
+def test_parts_where_every_mark_is_seen_are_left_alone(blocks, monkeypatch):
+    ever_made = embedding_in_points._made
+
+    def seen_without_rest(task, shaping, choice):
+        return ever_made(task, shaping, choice) if shaping._still.any() else None
+
+    def on_the_left(_self, points):
+        return points[:, 0] < np.quantile(points[:, 0], 0.2)
+
+    monkeypatch.setattr(embedding_in_points, "_made", seen_without_rest)
+    monkeypatch.setattr(VisibleChange, "seen", on_the_left)
+    made = embed(blocks, KEY, id=ID)
+    moved = (made.mesh.vertices != blocks.vertices).any(axis=1)
+    left = blocks.vertices[:, 0] < np.quantile(blocks.vertices[:, 0], 0.15)
+    assert left.sum() > 20
+    assert not moved[left].any()
+    assert moved[~left].mean() > 0.5
+    assert made.mark.at_points
 
 
 def test_a_model_is_marked_where_its_planes_cannot_be_kept(blocks, monkeypatch):

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
+from numpy.typing import NDArray
 
 from meshmark.geometry.areas import area_vectors, sum_at_points, vertex_area_sums
 from meshmark.geometry.kd_tree import kd_tree
@@ -135,11 +136,22 @@ class VisibleChange:
         square = (turned.reshape(-1, 3) ** 2).sum(axis=1)
         return np.asarray(np.degrees(np.sqrt(self._mean @ square)) / self.noticed)
 
-    def of(self, points: FloatArray) -> Visibility:
-        """Return how visible it is that the points (p, 3) are there now."""
+    def seen(self, points: FloatArray) -> NDArray[np.bool_]:
+        """Return (p,): the points of the patches where it is visible that the points (p, 3) are there now."""
+        visible = self._change(points) > self.noticed
+        seen = np.zeros(len(self._points), bool)
+        seen[self._members[self._mean[visible].indices]] = True
+        return seen
+
+    def _change(self, points: FloatArray) -> FloatArray:
+        """Return the RMS change of the normals of each patch (k,), degrees."""
         normals, _ = _normals(self._sized(points), self._faces)
         angle = degrees_between(normals[self._members], self._normals)
-        change = np.sqrt(np.asarray(self._mean @ angle**2))
+        return np.sqrt(np.asarray(self._mean @ angle**2, dtype=np.float64))
+
+    def of(self, points: FloatArray) -> Visibility:
+        """Return how visible it is that the points (p, 3) are there now."""
+        change = self._change(points)
         ratio = change / self.noticed
         return Visibility(
             share=float((ratio > 1.0).mean()),

@@ -8,9 +8,11 @@ from itertools import islice, product
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from meshmark.coding.message import ID_BITS
 from meshmark.errors import CapacityError
+from meshmark.geometry.plane_patches import PlanePatches
 from meshmark.geometry.surface_of import surface_of_moved
 from meshmark.mesh import Mesh
 from meshmark.ownership.embedding_task import EmbeddingTask, Owned
@@ -48,6 +50,8 @@ DENTED = 0.5
 # Share of what a choice may be worth at most, below which the best that keeps planes is compared with those that
 # may bend them.
 WEAK = 0.25
+# How often parts where marks are seen are left alone, and of how many choices they are.
+ALONE, LOOKS = 2, 3
 # Share of the coordinates at most where others are to carry a fingerprint.
 BESIDE_FINGERPRINT = 0.25
 # Of models with at most so many points, marks of fewer bits than 64 are chosen by after how many of these noises
@@ -68,16 +72,8 @@ def embed_in_points(task: EmbeddingTask) -> Owned:
     lattice = PointLattice.keyed(task.key, task.label)
     tried: list[_Tried] = []
     told = 0.0
-    # Planes that are kept leave less room for coordinates to be set: where it is too little, they may bend.
-    for planes in (task.planes, None) if task.has_planes else (None,):
-        shaping = PointShaping(
-            task.surface,
-            lattice,
-            Word(task.word),
-            largest=LARGEST[task.strength],
-            budget=task.rms,
-            planes=planes,
-        )
+    for planes, still in _rounds(task, lattice):
+        shaping = _shaping(task, lattice, planes, still)
         tries = list(_tries(task, shaping, lattice))
         if not tries:
             break  # no choice has room, however planes bend
@@ -93,6 +89,39 @@ def embed_in_points(task: EmbeddingTask) -> Owned:
         shaping.expected(Choice(step=float(STEPS[0]), mode=mode, share=1.0))[0] for mode in range(len(MODES))
     )
     raise CapacityError(_lacking(used, most, told, DISTINCT_BITS[task.bits]))
+
+
+def _rounds(
+    task: EmbeddingTask, lattice: PointLattice
+) -> Iterator[tuple[PlanePatches | None, NDArray[np.bool_] | None]]:
+    """Yield the planes that are kept and the points (p,) that stay where they are, until a mark is read."""
+    # Planes that are kept leave less room for coordinates to be set: where it is too little, they may bend.
+    if task.has_planes:
+        yield task.planes, None
+    yield None, None
+    # Where the mark is seen on a part of the surface whatever is chosen, that part is left alone.
+    still = np.zeros(len(task.surface.points), bool)
+    for _ in range(ALONE):
+        shaping = _shaping(task, lattice, None, still)
+        for _, choice in islice(_choices(shaping, task), LOOKS):
+            points = shaping.shaped(choice)
+            if points is not None:
+                still |= task.seen.seen(points)
+        yield None, still
+
+
+def _shaping(
+    task: EmbeddingTask, lattice: PointLattice, planes: PlanePatches | None, still: NDArray[np.bool_] | None
+) -> PointShaping:
+    return PointShaping(
+        task.surface,
+        lattice,
+        Word(task.word),
+        largest=LARGEST[task.strength],
+        budget=task.rms,
+        still=still,
+        planes=planes,
+    )
 
 
 class _Tried(NamedTuple):
