@@ -16,7 +16,7 @@ from meshmark.geometry.extent import used_points
 from meshmark.geometry.face_neighbours import face_neighbours
 from meshmark.mesh import FloatArray, IntArray
 
-__all__ = ["PlanePatches"]
+__all__ = ["PlanePatches", "spreads"]
 
 # Faces are in one plane where the cosine of the angle between them is off 1 by at most this, and a patch of them is
 # plane where its points are off their plane by at most this share of the diagonal, RMS.
@@ -121,6 +121,14 @@ def _in_unit_box(points: FloatArray, faces: IntArray) -> tuple[FloatArray, float
 
 def _square_off(places: FloatArray, patch: IntArray, count: int) -> FloatArray:
     """Return (count,): the sum of the squared distances of places (n, 3) from the best plane of each patch (n,)."""
+    return np.asarray(np.maximum(np.linalg.eigvalsh(spreads(places, patch, count)[1])[:, 0], 0.0))
+
+
+def spreads(places: FloatArray, patch: IntArray, count: int) -> tuple[FloatArray, FloatArray]:
+    """Return places (n, 3) from the middle of their patch (n,), and the sums of their products (count, 3, 3).
+
+    The eigenvector of the least eigenvalue of those sums is the normal of a patch's best plane.
+    """
     size = np.maximum(np.bincount(patch, minlength=count), 1)
     middle = np.stack([np.bincount(patch, places[:, i], count) / size for i in range(3)], axis=1)
     away = places - middle[patch]
@@ -128,4 +136,4 @@ def _square_off(places: FloatArray, patch: IntArray, count: int) -> FloatArray:
     for i in range(3):
         for j in range(3):
             spread[:, i, j] = np.bincount(patch, away[:, i] * away[:, j], count)
-    return np.asarray(np.maximum(np.linalg.eigvalsh(spread)[:, 0], 0.0))
+    return away, spread

@@ -67,18 +67,18 @@ def test_a_case_is_read_alone_where_the_run_has_no_blind_one():
 
 
 def test_what_was_decoded_blind_is_not_looked_for_again():
-    answered = answered_blind(INFORMED, read(True, -9.0))
+    answered = answered_blind(INFORMED.scheme, read(True, -9.0))
     assert answered.figures["log10_false_positive"] == pytest.approx(-9.0 + np.log10(2.0))
     assert (answered.figures["recovered"], answered.figures["extract_seconds"]) == (True, 1.0)
-    assert answered_blind(INFORMED, read(False, -1.0)) is None
-    assert answered_blind(INFORMED, read(True, -9.0, decoded=False)) is None, "there may be an id"
-    assert answered_blind(INFORMED, read(True, -6.1)) is None, "not enough for two readings"
-    assert answered_blind(INFORMED, Outcome(status="timeout")) is None
-    assert answered_blind(BLIND, read(True, -9.0)) is None, "it reads marks of its own"
+    assert answered_blind(INFORMED.scheme, read(False, -1.0)) is None
+    assert answered_blind(INFORMED.scheme, read(True, -9.0, decoded=False)) is None, "there may be an id"
+    assert answered_blind(INFORMED.scheme, read(True, -6.1)) is None, "not enough for two readings"
+    assert answered_blind(INFORMED.scheme, Outcome(status="timeout")) is None
+    assert answered_blind(BLIND.scheme, read(True, -9.0)) is None, "it reads marks of its own"
 
 
 def test_what_the_reference_tells_is_taken_at_the_cost_of_both():
-    figures = read_by_both(INFORMED, read(True, -9.0), read(False, -1.0, seconds=3.0, ber=0.5)).figures
+    figures = read_by_both(INFORMED.scheme, read(True, -9.0), read(False, -1.0, seconds=3.0, ber=0.5)).figures
     assert (figures["ber"], figures["present"], figures["recovered"]) == (0.0, True, True)
     assert figures["log10_false_positive"] == pytest.approx(-9.0 + np.log10(2.0))
     assert figures["extract_seconds"] == 4.0
@@ -88,19 +88,19 @@ def test_what_the_reference_tells_is_taken_at_the_cost_of_both():
 
 def test_what_was_read_blind_is_taken_where_the_reference_tells_nothing():
     blind = read(True, -20.0, seconds=3.0, decoded=False)
-    figures = read_by_both(INFORMED, read(False, -1.0, ber=0.5), blind).figures
+    figures = read_by_both(INFORMED.scheme, read(False, -1.0, ber=0.5), blind).figures
     assert (figures["ber"], figures["present"]) == (0.0, True)
     assert figures["log10_false_positive"] == pytest.approx(-20.0 + np.log10(2.0))
-    weak = read_by_both(INFORMED, read(False, 0.0), read(True, -6.1)).figures
+    weak = read_by_both(INFORMED.scheme, read(False, 0.0), read(True, -6.1)).figures
     assert (weak["present"], weak["decoded"], weak["recovered"]) == (False, False, False)
 
 
 def test_a_blind_reading_that_did_not_end_ends_the_others_unless_they_tell():
     lost = Outcome(status="timeout", note="too long")
-    assert read_by_both(INFORMED, read(False, 0.0), lost) == lost
-    assert read_by_both(INFORMED, read(True, -9.0), lost).figures["recovered"] is True
+    assert read_by_both(INFORMED.scheme, read(False, 0.0), lost) == lost
+    assert read_by_both(INFORMED.scheme, read(True, -9.0), lost).figures["recovered"] is True
     failed = Outcome(status="failed", note="no mark")
-    assert read_by_both(INFORMED, failed, read(True, -9.0)) == failed
+    assert read_by_both(INFORMED.scheme, failed, read(True, -9.0)) == failed
 
 
 def test_a_case_waits_for_its_blind_reading_but_does_not_fall_with_it():

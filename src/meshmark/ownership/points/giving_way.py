@@ -10,7 +10,7 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import SuperLU, splu
 
-from meshmark.geometry.plane_patches import PlanePatches
+from meshmark.geometry.plane_patches import PlanePatches, spreads
 from meshmark.mesh import FloatArray
 
 __all__ = ["Giving", "GivingAlone", "GivingTogether", "PlanesKept"]
@@ -37,13 +37,7 @@ class PlanesKept:
         """Find the planes of the patches of points (p, 3); joints: how points follow others, where some do."""
         names, patch = np.unique(patches.patch, return_inverse=True)
         count, size = len(names), np.bincount(patch)
-        places = points[patches.point]
-        middle = np.stack([np.bincount(patch, axis) for axis in places.T], axis=1) / size[:, None]
-        beside = places - middle[patch]
-        spread = np.empty((count, 3, 3))
-        for i in range(3):
-            for j in range(3):
-                spread[:, i, j] = np.bincount(patch, beside[:, i] * beside[:, j])
+        beside, spread = spreads(points[patches.point], patch, count)
         axes = np.linalg.eigh(spread)[1][patch]  # of each point's patch: across the plane, and two in it
         within = np.einsum("ri,rij->rj", beside, axes[:, :, 1:])
         length = np.stack([np.sqrt(np.bincount(patch, axis**2)) for axis in within.T], axis=1)

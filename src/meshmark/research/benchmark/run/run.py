@@ -221,17 +221,18 @@ class _Run:
 
     def _answered(self, job: Job) -> Outcome | None:
         """Return the outcome of a case whose blind reading was enough."""
-        blind = blind_of(job, self.names)
-        if blind is None or not isinstance(job, Case):
-            return None
-        return answered_blind(job, self.schedule.outcomes[blind])
+        blind = self._read_blind(job)
+        return answered_blind(job.scheme, blind) if isinstance(job, Case) and blind else None
 
     def _whole(self, job: Job, outcome: Outcome) -> Outcome:
         """Return the outcome of a job, with what was read blind if it is a reading with a reference."""
+        blind = self._read_blind(job)
+        return read_by_both(job.scheme, outcome, blind) if isinstance(job, Case) and blind else outcome
+
+    def _read_blind(self, job: Job) -> Outcome | None:
+        """Return what was read blind of the suspect of a reading with a reference; None for other jobs."""
         blind = blind_of(job, self.names)
-        if blind is None or not isinstance(job, Case):
-            return outcome
-        return read_by_both(job, outcome, self.schedule.outcomes[blind])
+        return None if blind is None else self.schedule.outcomes[blind]
 
     def _more(self) -> bool:
         """Return whether a job is to be given out: when the time is over, only for models that were begun."""

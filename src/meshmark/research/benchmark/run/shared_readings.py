@@ -44,18 +44,18 @@ def outcome_of(row: Row) -> Outcome:
     return Outcome(status=row.status, note=row.note, figures=figures)
 
 
-def answered_blind(case: Case, blind: Outcome) -> Outcome | None:
-    """Return the outcome of a case whose payload was decoded blind; None: it is to be read by the reference."""
-    shared = shared_mark(case.scheme)
+def answered_blind(scheme: str, blind: Outcome) -> Outcome | None:
+    """Return the outcome for a scheme where the payload was decoded blind; None: its reference is to be asked."""
+    shared = shared_mark(scheme)
     if shared is None or blind.status != "ok" or not blind.figures["decoded"]:
         return None
     halved = _halved(blind.figures, shared)
     return replace(blind, figures=halved) if halved["present"] else None
 
 
-def read_by_both(case: Case, told: Outcome, blind: Outcome) -> Outcome:
-    """Return the outcome of a case from what its reference told and what was read blind."""
-    shared = shared_mark(case.scheme)
+def read_by_both(scheme: str, told: Outcome, blind: Outcome) -> Outcome:
+    """Return the outcome for a scheme from what its reference told and what was read blind."""
+    shared = shared_mark(scheme)
     if shared is None or told.status != "ok":
         return told
     figures = _halved(told.figures, shared)
