@@ -31,3 +31,13 @@ def test_waves_are_red_in_the_third_panel_alone(tmp_path):
     waves = panels(mesh, Mesh(raised, faces), tmp_path / "waves.png")
     assert reddest(waves[2]) > 80
     assert (waves[0] == nowhere[0]).all()
+
+
+def test_a_surface_that_is_there_both_ways_round_is_no_redder_than_one_side_of_it(tmp_path):
+    points, faces = pebble(30)
+    raised = points * (1.0 + 0.002 * np.sin(20.0 * points[:, :1]))
+    single = panels(Mesh(points, faces), Mesh(raised, faces), tmp_path / "single.png")
+    doubled = np.vstack([faces, faces[:, ::-1]])
+    both = panels(Mesh(points, doubled), Mesh(raised, doubled), tmp_path / "both.png")
+    assert 25 < reddest(single[2]) < 250
+    assert abs(reddest(both[2]) - reddest(single[2])) < 40

@@ -8,14 +8,16 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
-from meshmark.geometry.areas import area_vectors, vertex_normals
+from meshmark.geometry.areas import area_vectors, vertex_area_sums
 from meshmark.mesh import FloatArray, IntArray
 from meshmark.report.raster import EMPTY
 
-__all__ = ["Seen", "light", "see"]
+__all__ = ["Seen", "light", "see", "steady_normals"]
 
 CREASE = 0.6
 """A corner whose normal turns from its face's by more than the arc cosine of this is drawn as a crease."""
+CANCELLED = 0.1
+"""Share of the area around a point that its summed normals come to at least; what is left of less is no direction."""
 LIGHTS = ((-0.5, 0.62, 0.6, 0.62), (0.75, 0.05, 0.55, 0.2), (0.1, -0.7, 0.3, 0.06))
 """Direction in view space (right, up, towards the viewer) and strength."""
 HOLLOWS = 5.0
@@ -51,7 +53,7 @@ def see(face_at: IntArray, screen: FloatArray, viewed: FloatArray, faces: IntArr
     corners = faces.take(face, axis=0)
     weights = _barycentric(screen, corners, np.add(columns, 0.5), np.add(rows, 0.5))
     own = _unit(area_vectors(viewed, faces).astype(np.float32)).take(face, axis=0)
-    smooth = vertex_normals(viewed, faces).astype(np.float32)
+    smooth = steady_normals(viewed, faces).astype(np.float32)
     normals = np.zeros_like(own)
     for corner, weight in zip(corners.T, weights.T, strict=True):
         at = smooth.take(corner, axis=0)
@@ -61,6 +63,14 @@ def see(face_at: IntArray, screen: FloatArray, viewed: FloatArray, faces: IntArr
     normals *= np.where(own[:, 2:] < 0.0, np.float32(-1.0), np.float32(1.0))
     depth = np.einsum("ij,ij->i", screen[:, 2].astype(np.float32).take(corners), weights)
     return Seen(mask=mask, face=face, faces=corners, weights=weights, normals=_unit(normals), depth=depth)
+
+
+def steady_normals(points: FloatArray, faces: IntArray) -> FloatArray:
+    """Return unit normals (p, 3) of points; zeros where faces are there both ways round, so that little is left."""
+    areas, summed = vertex_area_sums(points, faces)
+    length = np.linalg.norm(summed, axis=1)
+    kept = length > CANCELLED * 3.0 * areas
+    return np.asarray(summed / np.where(kept, length, np.inf)[:, None])
 
 
 def _unit(vectors: Thin) -> Thin:

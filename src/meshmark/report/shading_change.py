@@ -5,14 +5,17 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from meshmark.geometry.areas import vertex_normals
+import numpy as np
+
+from meshmark.geometry.areas import area_vectors, face_areas, sum_at_points
 from meshmark.geometry.surface_of import surface_of
 from meshmark.geometry.visibility import degrees_between
 from meshmark.io.staging import Staging
-from meshmark.mesh import Mesh
+from meshmark.mesh import FloatArray, IntArray, Mesh
 from meshmark.report.colours import heat
 from meshmark.report.own_colours import own_panel
 from meshmark.report.picture import Panel, panels
+from meshmark.report.shade import steady_normals
 
 __all__ = ["DARKEST", "shading_picture"]
 
@@ -31,7 +34,7 @@ def shading_picture(
     surface = surface_of(original)
     after, faces = marked.vertices[surface.vertex_of_point], surface.faces
     own = own_panel(original, "original")
-    turned = degrees_between(vertex_normals(after, faces), vertex_normals(surface.points, faces))
+    turned = _turned(surface.points, after, faces)
     shown = (
         own,
         replace(own, caption="marked", points=after),
@@ -43,3 +46,20 @@ def shading_picture(
         ),
     )
     panels(shown, path, size=size, staging=staging)
+
+
+def _turned(before: FloatArray, after: FloatArray, faces: IntArray) -> FloatArray:
+    """Return how far the normal of each point (p,) turns, degrees; where its faces' cancel, the RMS of theirs."""
+    normals = steady_normals(before, faces)
+    turned = degrees_between(normals, steady_normals(after, faces))
+    cancelled = ~normals.any(axis=1)
+    areas = face_areas(before, faces)
+    change = degrees_between(_unit(area_vectors(before, faces)), _unit(area_vectors(after, faces)))
+    square, around = sum_at_points(np.column_stack([areas * change**2, areas]), faces, len(before))[cancelled].T
+    turned[cancelled] = np.sqrt(square / np.where(around > 0.0, around, 1.0))
+    return turned
+
+
+def _unit(vectors: FloatArray) -> FloatArray:
+    length = np.linalg.norm(vectors, axis=1)
+    return np.asarray(vectors / np.where(length > 0.0, length, 1.0)[:, None])
