@@ -7,6 +7,7 @@ import re
 import numpy as np
 import pytest
 
+from meshmark.coding.message import PRESENCE, short_id
 from meshmark.errors import CapacityError
 from meshmark.marking import both_layers, embed, fewer_bits
 from meshmark.mesh import Mesh
@@ -92,3 +93,17 @@ def test_no_room_for_authentication_alone_is_not_promised():
     with pytest.raises(CapacityError) as caught:
         embed(Mesh(*CUBE), KEY, id=ID)
     assert "--layers authentication" not in str(caught.value)
+
+
+def test_fewer_bits_are_tried_with_the_last_digits_of_the_id_that_was_asked_for(monkeypatch):
+    tried = []
+
+    def refuse(*_arguments, id, **_options):
+        tried.append(id)
+        raise CapacityError("no room")
+
+    monkeypatch.setattr(both_layers, "embed_repeated", refuse)
+    monkeypatch.setattr(fewer_bits, "embed_repeated", refuse)
+    with pytest.raises(CapacityError, match="no room"):
+        embed(Mesh(*CUBE), KEY, id=0x1234_5678_9ABC_DEF0, layers="ownership")
+    assert tried == [0x1234_5678_9ABC_DEF0, short_id(0x9ABC_DEF0), PRESENCE]

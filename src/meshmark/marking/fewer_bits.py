@@ -26,8 +26,10 @@ def fewer_bits_that_fit(mesh: Mesh, request: MarkRequest) -> str:
         return ""
     for bits in BITS:
         if bits < request.bits:
+            # The last digits of the id that was asked for: the same request is told the same.
+            shorter = requested_id(request.id % (1 << bits) if bits else None, bits)
             with suppress(CapacityError):
-                embed_repeated(mesh, request.key, id=requested_id(None, bits), strength=request.strength)
+                embed_repeated(mesh, request.key, id=shorter, strength=request.strength)
                 carried = (
                     f"an id of {bits} bits" if bits else "a mark without an id, which says that it is there"
                 )

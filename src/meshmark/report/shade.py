@@ -17,7 +17,7 @@ __all__ = ["Seen", "light", "see", "steady_normals"]
 CREASE = 0.6
 """A corner whose normal turns from its face's by more than the arc cosine of this is drawn as a crease."""
 CANCELLED = 0.1
-"""Share of the area around a point that its summed normals come to at least; what is left of less is no direction."""
+"""Share of the area around a point that its summed normals come to at least; less is no direction."""
 LIGHTS = ((-0.5, 0.62, 0.6, 0.62), (0.75, 0.05, 0.55, 0.2), (0.1, -0.7, 0.3, 0.06))
 """Direction in view space (right, up, towards the viewer) and strength."""
 HOLLOWS = 5.0

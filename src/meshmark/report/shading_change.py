@@ -55,7 +55,9 @@ def _turned(before: FloatArray, after: FloatArray, faces: IntArray) -> FloatArra
     cancelled = ~normals.any(axis=1)
     areas = face_areas(before, faces)
     change = degrees_between(_unit(area_vectors(before, faces)), _unit(area_vectors(after, faces)))
-    square, around = sum_at_points(np.column_stack([areas * change**2, areas]), faces, len(before))[cancelled].T
+    square, around = sum_at_points(np.column_stack([areas * change**2, areas]), faces, len(before))[
+        cancelled
+    ].T
     turned[cancelled] = np.sqrt(square / np.where(around > 0.0, around, 1.0))
     return turned
 
