@@ -76,6 +76,20 @@ def test_corners_of_many_planes_take_them_along(blocks):
     assert off_plane(blocks, made.mesh) <= PLANE_OFF
 
 
+@pytest.mark.parametrize("seed", [5, 7])
+def test_boxes_along_the_axes_stay_boxes(seed):
+    """24 boxes on a shelf: their corners slide along no direction, and are as easily moved along each axis."""
+    rng = np.random.default_rng(seed)
+    parts = []
+    for place in product(range(6), range(4)):
+        low = np.array([*place, 0.0]) * [1.0, 1.3, 1.7] + rng.uniform(0.0, 0.3, 3)
+        parts.append(box((1, 1, 1), rng.uniform(0.3, 0.7, 3), low))
+    shelf = Mesh(*joined(parts))
+    made = embed(shelf, KEY, id=ID)
+    assert made.mark.at_points
+    assert off_plane(shelf, made.mesh) <= PLANE_OFF
+
+
 def test_slivers_as_wide_as_a_rounding_do_not_matter(blocks):
     strip = np.array([[0.0, 0.0, 0.0], [0.5, 0.0, 0.0], [0.0, 6.1e-17, 0.0], [0.5, 6.1e-17, 0.0]])
     parts = [(blocks.vertices, blocks.faces), (strip, np.array([[0, 1, 3], [0, 3, 2]]))]

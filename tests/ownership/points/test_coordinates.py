@@ -24,6 +24,11 @@ def turned_box():
     return tensor, (np.linalg.eigvalsh(tensor) < FREE).sum(axis=1)
 
 
+def firsts(points):
+    """Return which coordinate is preferred at each of so many points."""
+    return np.random.default_rng(9).integers(3, size=len(points))
+
+
 def random_ease(count=50):
     root = np.random.default_rng(1).normal(size=(count, 3, 3))
     return root @ root.transpose(0, 2, 1) + 0.01 * np.eye(3)
@@ -32,7 +37,7 @@ def random_ease(count=50):
 @pytest.mark.parametrize("mode", MODES)
 def test_planes_creases_and_corners_carry_as_many_as_the_mode_says(mode):
     tensor, slides = turned_box()
-    (chosen,) = chosen_coordinates(tensor, [mode])
+    (chosen,) = chosen_coordinates(tensor, [mode], firsts(tensor))
     for free, wanted in zip((2, 1, 0), mode, strict=True):
         assert (chosen[some(np.flatnonzero(slides == free))].sum(axis=1) == wanted).all()
 
@@ -40,19 +45,35 @@ def test_planes_creases_and_corners_carry_as_many_as_the_mode_says(mode):
 def test_every_mode_carries_what_the_one_before_does():
     tensor, _ = turned_box()
     for one, other in some(pairwise(MODES), 3):
-        less, more = chosen_coordinates(tensor, [one, other])
+        less, more = chosen_coordinates(tensor, [one, other], firsts(tensor))
         assert (more[less]).all()
         assert more.sum() > less.sum()
 
 
 def test_on_a_plane_along_the_axes_the_two_in_it_carry():
     points, faces = box((5, 4, 3), (3.0, 2.0, 1.3))
-    (chosen,) = chosen_coordinates(stars_of(points, faces).tensor, MODES[:1])
+    (chosen,) = chosen_coordinates(stars_of(points, faces).tensor, MODES[:1], firsts(points))
     fixed = np.isclose(points, 0.0) | np.isclose(points, [3.0, 2.0, 1.3])
     flat = some(np.flatnonzero(fixed.sum(axis=1) == 1))
     np.testing.assert_array_equal(chosen[flat], ~fixed[flat])
     crease = some(np.flatnonzero(fixed.sum(axis=1) == 2))
     np.testing.assert_array_equal(chosen[crease], ~fixed[crease])
+
+
+def test_the_key_says_which_coordinate_of_a_corner_of_a_box_carries():
+    points, faces = box((1, 1, 1), (3.0, 2.0, 1.3))
+    tensor, first = stars_of(points, faces).tensor, firsts(points)
+    one, two = chosen_coordinates(tensor, [(0, 0, 1), (0, 0, 2)], first)
+    assert len(np.unique(first)) == 3
+    np.testing.assert_array_equal(one.argmax(axis=1), first)
+    assert (one.sum(axis=1) == 1).all()
+    np.testing.assert_array_equal((two & ~one).argmax(axis=1), (first + 1) % 3)
+
+
+def test_a_coordinate_that_moves_more_cheaply_carries_whatever_is_preferred():
+    tensor = np.tile(np.diag([1.0, 0.5, 0.9]), (3, 1, 1))
+    (chosen,) = chosen_coordinates(tensor, [(0, 0, 1)], np.arange(3))
+    np.testing.assert_array_equal(chosen.argmax(axis=1), [1, 1, 1])
 
 
 def test_the_choice_does_not_hang_on_rounding():
@@ -61,7 +82,7 @@ def test_the_choice_does_not_hang_on_rounding():
         rough = np.random.default_rng(2).normal(size=shape[0].shape) * 1e-7
         tensors = [stars_of(places, shape[1]).tensor for places in (shape[0], shape[0] + rough)]
         for mode in some(MODES):
-            one, other = (chosen_coordinates(tensor, [mode])[0] for tensor in tensors)
+            one, other = (chosen_coordinates(tensor, [mode], firsts(tensor))[0] for tensor in tensors)
             np.testing.assert_array_equal(one, other)
 
 
@@ -102,7 +123,7 @@ def test_no_motion_with_these_coordinates_is_cheaper():
 
 def test_on_a_plane_a_set_coordinate_moves_the_point_within_it():
     tensor, slides = turned_box()
-    (chosen,) = chosen_coordinates(tensor, MODES[:1])
+    (chosen,) = chosen_coordinates(tensor, MODES[:1], firsts(tensor))
     follow, _ = held(np.linalg.inv(tensor + SLIDING * np.eye(3)), chosen)
     flat = np.flatnonzero(slides == 2)
     normal = np.linalg.eigh(tensor[some(flat)])[1][:, :, 2]

@@ -45,7 +45,7 @@ def shape(request):
     points = surface.points
     tensor = stars_of(points, surface.faces).tensor
     # On planes and creases what slides; at corners an axis by chance: a side all of which carry across it bends.
-    carries, at_corners = chosen_coordinates(tensor, [(2, 1, 0), (0, 0, 1)])
+    carries, at_corners = chosen_coordinates(tensor, [(2, 1, 0), (0, 0, 1)], np.zeros(len(tensor), int))
     corners = np.flatnonzero(at_corners.any(axis=1))
     carries[corners, np.random.default_rng(8).integers(3, size=len(corners))] = True
     follow = held(ease_of(tensor), carries)[0]

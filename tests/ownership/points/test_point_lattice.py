@@ -21,7 +21,7 @@ def cubes_at(count: int = 2000, seed: int = 1) -> np.ndarray:
 def test_points_of_one_cube_are_told_the_same_whatever_else_is_there():
     lattice, cubes = PointLattice.keyed(KEY, LABEL), cubes_at()
     whole, part = lattice.keys(cubes), lattice.keys(cubes[::-7])
-    for name in ("code_index", "dither", "draw"):
+    for name in ("code_index", "dither", "draw", "first"):
         np.testing.assert_array_equal(getattr(whole, name)[::-7], getattr(part, name))
     _, row = distinct_cubes(cubes)
     first = np.unique(row, return_index=True)[1][row]
@@ -50,6 +50,8 @@ def test_what_it_says_is_spread_evenly_and_each_coordinate_has_its_own():
     assert keys.code_index.max() < LENGTH
     assert np.bincount(keys.code_index.ravel(), minlength=LENGTH).max() < 30
     assert abs(np.corrcoef(keys.dither.ravel(), keys.draw.ravel())[0, 1]) < 0.05
+    np.testing.assert_allclose(np.bincount(keys.first) / len(keys.first), np.ones(3) / 3.0, atol=0.02)
+    assert max(abs(np.corrcoef(keys.first, each)[0, 1]) for each in (*keys.draw.T, *keys.code_index.T)) < 0.05
 
 
 def test_cubes_have_their_side_and_are_turned_and_shifted():

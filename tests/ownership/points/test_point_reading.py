@@ -87,19 +87,28 @@ def test_locks_are_those_that_readings_have():
         assert min(some(enough)) > lock.log10_loose - 1e-5
 
 
+def framed_anywhere(places: np.ndarray, lattice: PointLattice) -> Framed:
+    """Return points (n, 3) in a frame, all of whose coordinates carry at every step."""
+    keys = lattice.keys(lattice.cubes(places))
+    return Framed(
+        points=places,
+        coordinates=(np.ones(places.shape, bool),) * len(MODES),
+        room=np.ones((len(STEPS), len(places)), bool),
+        lattice=lattice,
+        keys=keys,
+        group=3 * keys.cube[:, None] + np.arange(3),
+    )
+
+
 @pytest.mark.parametrize(("clumps", "points"), [(3, 14), (5, 8), (6, 7)])
 def test_a_fitted_frame_locks_by_chance_no_oftener_than_it_says(clumps, points):
     """Few groups, and seven parts of a correction that bring them to exact phases."""
     rng = np.random.default_rng(clumps)
     places = np.repeat(rng.uniform(-1.0, 1.0, (clumps, 3)), points, axis=0)
     places += rng.uniform(-2e-3, 2e-3, places.shape)
-    everywhere = np.ones((len(places), 3), bool)
     told = []
     for _ in range(150):
-        lattice = PointLattice.keyed(Key(rng.bytes(32)), LABEL)
-        framed = Framed._at(
-            places, (everywhere,) * len(MODES), np.ones((len(STEPS), len(places)), bool), lattice
-        )
+        framed = framed_anywhere(places, PointLattice.keyed(Key(rng.bytes(32)), LABEL))
         lock = PointLock(
             log10_loose=0.0, framed=framed, choice=Choice(step=float(STEPS[9]), mode=2, share=1.0)
         )

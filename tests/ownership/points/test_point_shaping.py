@@ -145,7 +145,7 @@ def test_what_extraction_finds_to_carry_says_the_bits(name, mode):
     found = shaped(name, mode)
     canonical = found.before.frame.to_canonical(found.after.points)
     keys = found.lattice.keys(found.lattice.cubes(canonical))
-    carries = Carried.of(found.after, found.before.frame).carrying(found.choice, keys.draw)
+    carries = Carried.of(found.after, found.before.frame).carrying(found.choice, keys)
     turns = canonical / found.choice.step - keys.dither - found.bits[keys.code_index] / 2.0
     off = np.abs(turns - np.round(turns))[carries]
     assert carries.sum() > 40
@@ -158,8 +158,8 @@ def test_fewer_move_under_a_smaller_share():
     for share in SHARES[:3]:
         found = shaped("ball", 2, share=share)
         canonical = found.before.frame.to_canonical(found.after.points)
-        draw = found.lattice.keys(found.lattice.cubes(canonical)).draw
-        counts.append(int(Carried.of(found.after, found.before.frame).carrying(found.choice, draw).sum()))
+        keys = found.lattice.keys(found.lattice.cubes(canonical))
+        counts.append(int(Carried.of(found.after, found.before.frame).carrying(found.choice, keys).sum()))
     np.testing.assert_allclose(counts[1:], [counts[0] / 2, counts[0] / 4], rtol=0.35)
     assert found.length.max() < shaped("ball", 2).length.max()
 
@@ -175,7 +175,7 @@ def test_the_bits_that_are_carried_are_counted_once_each():
     found = shaped("ball", 2)
     canonical = found.before.frame.to_canonical(found.before.points)
     keys = found.lattice.keys(found.lattice.cubes(canonical))
-    carries = Carried.of(found.before, found.before.frame).carrying(found.choice, keys.draw)
+    carries = Carried.of(found.before, found.before.frame).carrying(found.choice, keys)
     assert found.shaping.expected(found.choice)[0] == len(np.unique(keys.code_index[carries])) <= LENGTH
     assert len(np.unique(keys.code_index[carries])) < carries.sum()
 

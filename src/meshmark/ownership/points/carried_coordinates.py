@@ -15,6 +15,7 @@ from meshmark.mesh import FloatArray, IntArray
 from meshmark.ownership.points.coordinates import chosen_coordinates, ease_of
 from meshmark.ownership.points.parameters import MODES, ROOM, STEPS
 from meshmark.ownership.points.point_choice import Choice
+from meshmark.ownership.points.point_lattice import PointKeys
 
 __all__ = ["Carried"]
 
@@ -76,10 +77,10 @@ class Carried:
         """Return (p,): the points whose stars have room for a step in canonical units."""
         return np.asarray(self.usable & (self.height > ROOM * step))
 
-    def carrying(self, choice: Choice, draw: FloatArray) -> NDArray[np.bool_]:
-        """Return (p, 3): the coordinates that carry under a choice; draw: (p, 3) of the keys."""
-        coordinates = self.coordinates[choice.mode] if choice.mode else self.first_coordinates
-        return choice.carrying(coordinates, self.at(choice.step), draw)
+    def carrying(self, choice: Choice, keys: PointKeys) -> NDArray[np.bool_]:
+        """Return (p, 3): the coordinates that carry under a choice; keys: of the points."""
+        (coordinates,) = chosen_coordinates(self.stars.tensor, [MODES[choice.mode]], keys.first, self.ease)
+        return choice.carrying(coordinates, self.at(choice.step), keys.draw)
 
     @cached_property
     def room(self) -> NDArray[np.bool_]:
@@ -91,23 +92,16 @@ class Carried:
         """(p, 3, 3): `ease_of` the points."""
         return ease_of(self.stars.tensor)
 
-    @cached_property
-    def coordinates(self) -> tuple[NDArray[np.bool_], ...]:
-        """(p, 3) for each of `MODES`: the coordinates that carry where there is room."""
-        return chosen_coordinates(self.stars.tensor, MODES, self.ease)
+    def turned(
+        self, axes: FloatArray, first: IntArray, modes: int = len(MODES)
+    ) -> tuple[NDArray[np.bool_], ...]:
+        """Return (p, 3) for each of `MODES`: the coordinates that carry where there is room.
 
-    @cached_property
-    def first_coordinates(self) -> NDArray[np.bool_]:
-        """(p, 3) those of the first of `MODES`."""
-        return chosen_coordinates(self.stars.tensor, MODES[:1], self.ease)[0]
-
-    def turned(self, axes: FloatArray, modes: int = len(MODES)) -> tuple[NDArray[np.bool_], ...]:
-        """Return `coordinates` along other axes (3, 3), the columns in canonical coordinates.
-
+        axes: (3, 3) that they are along, the columns in canonical coordinates. first: (p,) of the keys there.
         modes: of how many of the first of `MODES`.
         """
         order = np.abs(axes).argmax(axis=0)
         if np.allclose(np.abs(axes), np.eye(3)[:, order], atol=1e-9) and (order == np.arange(3)).all():
-            return self.coordinates if modes > 1 else (self.first_coordinates,)
+            return chosen_coordinates(self.stars.tensor, MODES[:modes], first, self.ease)
         tensor = np.einsum("ji,pjk,kl->pil", axes, self.stars.tensor, axes)
-        return chosen_coordinates(tensor, MODES[:modes])
+        return chosen_coordinates(tensor, MODES[:modes], first)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from meshmark.mesh import FloatArray
+from meshmark.mesh import FloatArray, IntArray
 from meshmark.ownership.points.parameters import FREE, SLIDING, TIES
 
 __all__ = ["chosen_coordinates", "ease_of", "held"]
@@ -19,7 +19,7 @@ def ease_of(tensor: FloatArray) -> FloatArray:
 
 
 def chosen_coordinates(
-    tensor: FloatArray, modes: Sequence[tuple[int, int, int]], ease: FloatArray | None = None
+    tensor: FloatArray, modes: Sequence[tuple[int, int, int]], first: IntArray, ease: FloatArray | None = None
 ) -> tuple[NDArray[np.bool_], ...]:
     """Return (p, 3) for each mode: which canonical coordinates of each point carry.
 
@@ -31,16 +31,19 @@ def chosen_coordinates(
         Of `Stars`, in canonical axes.
     modes : sequence of (flat, crease, corner)
         How many coordinates points carry that can slide in two, one or no direction, each at most 3.
+    first : (p,) int array
+        0, 1 or 2: the coordinate that is preferred where several are as cheap, as the key says.
     ease : (p, 3, 3) float array, optional
         `ease_of` the tensor, where it is known already.
     """
     count = len(tensor)
     free = np.minimum((np.linalg.eigvalsh(tensor) < FREE).sum(axis=1), 2)
     ease = ease_of(tensor) if ease is None else ease
+    bias = TIES[(np.arange(3) - first[:, None]) % 3]
     rank = np.full((count, 3), 3)  # when each is taken
     everyone = np.arange(count)
     for taken in range(max((number for mode in modes for number in mode), default=0)):
-        worth = np.einsum("pii->pi", ease) * TIES
+        worth = np.einsum("pii->pi", ease) * bias
         worth[rank < taken] = -1.0
         best = worth.argmax(axis=1)
         rank[everyone, best] = taken

@@ -49,7 +49,8 @@ READABLE: Final = (10, 40)
 FREE: Final = 0.02
 # Cost of moving along the surface, over that of leaving all the planes of a star.
 SLIDING: Final = 0.003
-# What a coordinate counts when those of a point are chosen: settles the ties of boxes.
+# What coordinates count when those of a point are chosen, from the one that the key prefers on: settles the ties of
+# boxes, not all one way, or all corners of a side would bend it.
 TIES: Final = np.array([1.0, 0.8, 0.62])
 # A point carries only where the triangles of its star are this many steps high.
 ROOM: Final = 2.0

@@ -55,13 +55,14 @@ class PointKeys:
 
     cube: (n,) equal for points in one cube, of which it says the same. code_index: (n, 3) which code bit each
     carries; dither: (n, 3) in [0, 1), in steps; draw: (n, 3) in [0, 1): coordinates below the share that carries
-    do.
+    do; first: (n,) 0, 1 or 2, the coordinate that is preferred where several move as cheaply.
     """
 
     cube: IntArray
     code_index: IntArray
     dither: FloatArray
     draw: FloatArray
+    first: IntArray
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -102,4 +103,5 @@ class PointLattice:
             code_index=(indices % np.uint64(LENGTH)).astype(np.int64)[row],
             dither=unit_interval(words[:, 1:4])[row],
             draw=unit_interval(words[:, 4:7])[row],
+            first=((words[:, 0] >> np.uint64(3 * _INDEX_BITS)) % np.uint64(3)).astype(np.int64)[row],
         )

@@ -112,25 +112,24 @@ class Framed:
 
         modes: how many of the first of `MODES` are read.
         """
-        coordinates = carried.turned(carried.frame.axes.T @ frame.axes, modes)
-        return cls._at(frame.to_canonical(surface.points), coordinates, carried.room, lattice)
-
-    @classmethod
-    def _at(
-        cls,
-        points: FloatArray,
-        coordinates: tuple[NDArray[np.bool_], ...],
-        room: NDArray[np.bool_],
-        lattice: PointLattice,
-    ) -> Framed:
+        points = frame.to_canonical(surface.points)
         keys = lattice.keys(lattice.cubes(points))
-        group = 3 * keys.cube[:, None] + np.arange(3)
-        return cls(points=points, coordinates=coordinates, room=room, lattice=lattice, keys=keys, group=group)
+        coordinates = carried.turned(carried.frame.axes.T @ frame.axes, keys.first, modes)
+        return cls(
+            points=points,
+            coordinates=coordinates,
+            room=carried.room,
+            lattice=lattice,
+            keys=keys,
+            group=_group(keys),
+        )
 
     def corrected(self, correction: FloatArray) -> Framed:
         """Return the points in a frame that is off by a small pose (7,): shift, logarithm of scale, turn."""
         pose = Pose.turned(np.eye(3)).then(correction)
-        return replace(Framed._at(pose(self.points), self.coordinates, self.room, self.lattice), fitted=True)
+        points = pose(self.points)
+        keys = self.lattice.keys(self.lattice.cubes(points))
+        return replace(self, points=points, keys=keys, group=_group(keys), fitted=True)
 
     def phases(self, step: float) -> FloatArray:
         """Return the phases (p, 3), radians, at a step in canonical units."""
@@ -241,3 +240,8 @@ def _summed(wave: NDArray[np.complex128], group: IntArray) -> tuple[float, Float
     """Return the real part of the sum of all waves, and the size of the sum of each group."""
     real, imaginary = (np.bincount(group, part).astype(np.float64) for part in (wave.real, wave.imag))
     return float(real.sum()), np.sqrt(real**2 + imaginary**2)
+
+
+def _group(keys: PointKeys) -> IntArray:
+    """Return (p, 3): coordinates with one number share what the key says."""
+    return np.asarray(3 * keys.cube[:, None] + np.arange(3))

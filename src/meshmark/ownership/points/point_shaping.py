@@ -117,12 +117,18 @@ class PointShaping:
     def _keys(self) -> PointKeys:
         return self._lattice.keys(self._lattice.cubes(self._points))
 
+    @cached_property
+    def _coordinates(self) -> tuple[NDArray[np.bool_], ...]:
+        """(p, 3) for each of `MODES`: the coordinates that carry before anything moves."""
+        return self._start.turned(np.eye(3), self._keys.first)
+
     def expected(self, choice: Choice) -> tuple[int, float]:
         """Return how many code bits a choice carries before anything moves, and the RMS it will take, about.
 
         The RMS displacement is over the diagonal.
         """
-        carries = self._start.carrying(choice, self._keys.draw) & ~self._still[:, None]
+        coordinates, room = self._coordinates[choice.mode], self._start.at(choice.step)
+        carries = choice.carrying(coordinates, room, self._keys.draw) & ~self._still[:, None]
         index = self._keys.code_index[carries]
         square = self._strain[carries].sum() / max(len(carries), 1) * choice.step**2 / 12.0
         rms = float(np.sqrt(square) * self._frame.scale / self._surface.diagonal)
@@ -147,8 +153,8 @@ class PointShaping:
             carried = Carried.of(surface.moved(self._frame.to_scene(points)), self._frame)
             cost = carried.stars.tensor + SLIDING * np.eye(3)
             ease = carried.ease
-            draw = self._lattice.keys(self._lattice.cubes(points)).draw
-            carries = carried.carrying(choice, draw) & ~frozen[:, None]
+            keys = self._lattice.keys(self._lattice.cubes(points))
+            carries = carried.carrying(choice, keys) & ~frozen[:, None]
             follow, _ = held(ease, carries)
             motion, done = nearest_places(start, follow, quantiser, self._aims)
             done &= carries.any(axis=1) & (np.linalg.norm(motion, axis=1) <= self._largest)
