@@ -28,13 +28,16 @@ SERIAL = "0000beef"
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder that tests copy: models of 26, 12 and 8 points, keys, a registry, and marked copies."""
+    """A folder that tests copy: models of 26, 12 and 4 points, keys, a registry, and marked copies."""
     from meshmark.cli.main import main
 
     folder = tmp_path_factory.mktemp("made")
     mm.write_mesh(mm.Mesh(*box((2, 2, 2), (3.0, 2.0, 1.3))), folder / "small.ply")
     mm.write_mesh(mm.Mesh(*ball(0)), folder / "least.ply")
-    mm.write_mesh(mm.Mesh(*box((1, 1, 1), (3.0, 2.0, 1.3))), folder / "cube.ply")
+    corners = np.array([[0.0, 0.0, 0.0], [3.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 1.3]])
+    mm.write_mesh(
+        mm.Mesh(corners, np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])), folder / "four.ply"
+    )
     KEY.save(folder / "my.key")
     OTHER.save(folder / "other.key")
     with contextlib.chdir(folder):
@@ -106,7 +109,7 @@ def test_64_bits_are_the_default_and_their_refusal_says_what_fits(cli, place):
     says = {
         ("small.ply", "64"): "88 are needed; --bits 32 fits, an id of 32 bits",
         ("least.ply", "32"): "56 are needed; --bits 0 fits, a mark without an id",
-        ("cube.ply", "0"): "its 8 points carry 21 bits of the code, of which",
+        ("four.ply", "0"): "its 4 points carry 10 bits of the code, 14 are needed",
     }
     for (name, bits), words in says.items():
         ran = cli("embed", name, "out.ply", "--key", "my.key", "--bits", bits)
